@@ -1,0 +1,1 @@
+"""Benchmarks: ratios against peers and laws of growth, each measured side by side in one run. See README.md."""

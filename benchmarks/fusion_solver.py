@@ -1,0 +1,203 @@
+"""Solvers for the fusion of depth maps side by side, and what a user might take instead of it.
+
+    python -m benchmarks.fusion_solver [--views FILE.h5] [--quick]
+
+Each solver minimises the same energy from the same start, in a process of its own; see README.md for what the tables say.
+"""
+
+from __future__ import annotations
+
+import argparse
+from importlib.util import find_spec
+from pathlib import Path
+import tempfile
+from typing import Any
+
+import numpy as np
+
+from benchmarks import fusion_baselines
+from benchmarks.fusion_problem import Problem, open_scene, pose
+from benchmarks.fusion_solvers import NEEDS, RATIOS, SOLVERS
+from benchmarks.measure import OUTPUT, Clock, forget_peak, isolated, peak_memory, publish, say
+
+LOOKS = [10, 20, 30, 40, 50, 70, 100, 130, 160, 200, 250, 300, 400, 500, 600, 700, 850, 1000, 1300, 1600, 2000, 2500, 3000]
+SHOWN = (100, 300, 1000)  # iterations
+TARGETS = (1e-2, 1e-3)  # relative energy gaps
+TUNING = {"size": 160, "iterations": 300}  # the crop on which a step ratio is chosen, and for how many iterations
+REFERENCE = 4000  # iterations for the best known minimum
+ROWS = {  # name: (solver, threads)
+    "ipcli, 2 threads": ("ours", 2),
+    "ipcli, 1 thread": ("ours", 1),
+    "thesis Algorithm 4.3, NumPy": ("thesis", 2),
+    "pyproximal, stacked operators": ("pyproximal", 2),
+    "pyproximal, sparse matrix, our prox": ("pyproximal-tuned", 2),
+    "ODL pdhg": ("odl", 2),
+}
+
+
+def best_ratio(path: str, solver: str, size: int, iterations: int) -> float:
+    """The step ratio with the lowest energy on a crop of the problem."""
+    crop = Problem.load(Path(path)).crop(size)
+
+    def energy(ratio: float) -> float:
+        at_work = SOLVERS[solver](crop, ratio)
+        at_work.run(iterations)
+        return crop.energy(*at_work.solution())
+
+    return min(RATIOS, key=energy)
+
+
+def solve(path: str, solver: str, ratio: float | None, iterations: int) -> dict[str, Any]:
+    """Iterations, seconds and energy at each look, and peak memory of set-up and iterations above that of the data, in MB."""
+    problem = Problem.load(Path(path))
+    SOLVERS[solver](problem.crop(64), ratio or 1.0).run(20)  # compiles, imports
+    before = forget_peak()
+    at_work, clock, done, curve = SOLVERS[solver](problem, ratio), Clock(), 0, []
+    for look in [look for look in LOOKS if look <= iterations]:
+        with clock:
+            at_work.run(look - done)
+        memory = memory if curve else peak_memory() - before  # before the energy takes its own
+        curve.append((look, clock.last / (look - done), clock.total, problem.energy(*at_work.solution())))
+        done = look
+    return {"curve": curve, "memory": memory}
+
+
+def reference(path: str, iterations: int) -> dict[str, float]:
+    """The lowest energy that our solver finds from the coarse-to-fine start, and its lower bound."""
+    from ipcli.inverse.regularize.parameters import Solver
+
+    problem = Problem.load(Path(path))
+    iterate, fidelity = _from_coarse(problem)
+    energies, bounds = [], []
+    for _ in range(8):
+        iterate.advance(fidelity, problem.regulariser, Solver(), [Solver().relaxation] * (iterations // 8) + [1.0])
+        energies.append(problem.energy(iterate.x, iterate.v))
+        bounds.append(iterate.bound(fidelity, problem.regulariser, *fidelity.data.bounds))
+    return {"energy": min(energies), "bound": max(bounds)}
+
+
+def certified(path: str, tolerance: float) -> dict[str, float]:
+    """Iterations and seconds, looks included, until the restricted gap is small enough, from the coarse-to-fine start."""
+    from dataclasses import replace
+
+    from ipcli.inverse.regularize import tgv
+    from ipcli.inverse.regularize.parameters import Solver
+
+    problem = Problem.load(Path(path))
+    solver = replace(Solver(), tolerance=tolerance, iterations=5000)
+    _from_coarse(problem.crop(128))[0]
+    start, descent = Clock(), Clock()
+    with start:
+        iterate, fidelity = _from_coarse(problem)
+    with descent:
+        looks = tgv.minimise(fidelity, problem.regulariser, iterate, fidelity.data.bounds, solver)
+    found = {"iterations": looks[-1].iteration, "gap": looks[-1].gap, "energy": problem.energy(iterate.x, iterate.v)}
+    return found | {"start": start.total, "descent": descent.total}
+
+
+def _from_coarse(problem: Problem):
+    from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Observations
+    from ipcli.inverse.regularize.parameters import Solver
+    from ipcli.models.fusion.pyramid import start
+
+    fidelity = AbsoluteDeviations(Observations.of(problem.layers), np.full(problem.shape, problem.lam, np.float32))
+    iterate = start(problem.layers, problem.lam, problem.regulariser, Solver(), Solver().levels)
+    return iterate, fidelity
+
+
+def race(path: Path, iterations: int) -> dict[str, dict[str, Any]]:
+    """What `solve` found for each row of the table, with its step ratio."""
+    runs, ratios = {}, {"ours": None}
+    for name, (solver, threads) in ROWS.items():
+        if solver in NEEDS and find_spec(NEEDS[solver]) is None:
+            say(f"{name}: {NEEDS[solver]} is not installed, skipped")
+            continue
+        say(name)
+        if solver not in ratios:
+            tuning = TUNING | {"iterations": min(TUNING["iterations"], iterations)}
+            ratios[solver] = isolated("benchmarks.fusion_solver:best_ratio", threads, path=str(path), solver=solver, **tuning)
+        settings = {"path": str(path), "solver": solver, "ratio": ratios[solver], "iterations": iterations}
+        runs[name] = isolated("benchmarks.fusion_solver:solve", threads, **settings) | {"ratio": ratios[solver]}
+    return runs
+
+
+def rows_of(runs: dict[str, dict[str, Any]], lowest: float) -> list[dict[str, Any]]:
+    """The table of the solvers; gaps are relative to the lowest energy known."""
+    ours = _milliseconds(next(iter(runs.values())))
+    return [_row(name, run, lowest, ours) for name, run in runs.items()]
+
+
+def _row(name: str, run: dict[str, Any], lowest: float, ours: float) -> dict[str, Any]:
+    curve = [(look, total, energy / lowest - 1) for look, _, total, energy in run["curve"]]
+    row = {"solver": name, "step ratio": run["ratio"] or "own", "ms / iteration": _milliseconds(run)}
+    row["times ours"] = row["ms / iteration"] / ours
+    row |= {f"gap at {look}": next((gap for n, _, gap in curve if n == look), None) for look in SHOWN}
+    for target in TARGETS:
+        n, seconds = _reached(curve, target)
+        row |= {f"iterations to {target:g}": n or f"> {curve[-1][0]}", f"s to {target:g}": seconds or f"> {curve[-1][1]:.3g}"}
+    return row | {"peak MB": run["memory"]}
+
+
+def _milliseconds(run: dict[str, Any]) -> float:
+    return 1e3 * float(np.median([seconds for _, seconds, _, _ in run["curve"]]))
+
+
+def _reached(curve: list[tuple[int, float, float]], target: float) -> tuple[int | None, float | None]:
+    """Iterations and seconds from which on the gap stays below the target."""
+    above = [index for index, (_, _, gap) in enumerate(curve) if gap > target]
+    first = above[-1] + 1 if above else 0
+    return curve[first][:2] if first < len(curve) else (None, None)
+
+
+def start_rows(path: Path, lowest: float) -> list[dict[str, Any]]:
+    """From the coarse-to-fine start to a certified gap, for 1 and 2 threads."""
+    rows = []
+    for threads in (1, 2):
+        for tolerance in (1e-3, 1e-4):
+            say(f"certified gap {tolerance:g}, threads: {threads}")
+            found = isolated("benchmarks.fusion_solver:certified", threads, path=str(path), tolerance=tolerance)
+            row = {"threads": threads, "restricted gap asked for": tolerance, "found": found["gap"]}
+            row |= {"true gap": found["energy"] / lowest - 1, "fine iterations": found["iterations"]}
+            rows.append(row | {"s, coarse levels and sorting": found["start"], "s, fine level": found["descent"]})
+    return rows
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Measure, write, print."""
+    options = parse(arguments)
+    source = {"views": options.views and str(options.views.resolve()), "reference": options.reference}
+    source |= {"count": options.count, "shape": [options.size[1], options.size[0]]}
+    with tempfile.TemporaryDirectory() as folder:
+        scene = open_scene(**source)
+        problem = pose(scene.views, scene.reference, inverse=scene.inverse)
+        path = problem.save(Path(folder) / "problem.npz")
+        runs = race(path, options.iterations)
+        say("best known minimum")
+        known = isolated("benchmarks.fusion_solver:reference", 2, path=str(path), iterations=REFERENCE)
+        lowest = min(known["energy"], *(energy for run in runs.values() for *_, energy in run["curve"]))
+        tables = {"Solvers of one energy, from the median": rows_of(runs, lowest)}
+        tables["ipcli from its coarse-to-fine start"] = start_rows(path, lowest)
+        tables["Instead of it, 2 threads"] = fusion_baselines.compare(source, 2, Path(folder))
+    facts = {"scene": scene.name, "lambda": problem.lam, "lowest energy known": lowest}
+    facts |= {"proven within": (lowest - known["bound"]) / lowest, "step ratios tried for the others": str(RATIOS)}
+    publish("fusion_solver", "Fusion: solvers and baselines", tables, facts, options.output)
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line; --quick is a quarter of the pixels and a third of the iterations."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--views", type=Path, help="a views artefact in place of the generated scene")
+    parser.add_argument("--reference", help="its reference view; the middle one if not given")
+    parser.add_argument("--count", type=int, default=11, help="views to fuse")
+    parser.add_argument("--size", type=int, nargs=2, metavar=("WIDTH", "HEIGHT"), help="of the generated views; 640 480")
+    parser.add_argument("--iterations", type=int, help="of each solver; 1000")
+    parser.add_argument("--quick", action="store_true", help="320 240 and 300 unless given otherwise")
+    parser.add_argument("--output", type=Path, default=OUTPUT, help="folder for the tables")
+    options = parser.parse_args(arguments)
+    options.size = options.size or ((320, 240) if options.quick else (640, 480))
+    options.iterations = options.iterations or (300 if options.quick else 1000)
+    return options
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,3 @@
+"""Five vision problems solved by regularisation and Bayesian inference. Importing the package imports nothing else."""
+
+__version__ = "0.1.0"

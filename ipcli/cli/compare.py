@@ -1,0 +1,27 @@
+"""`ipcli compare`: methods side by side."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ipcli.cli import options
+from ipcli.params import Run
+from ipcli.stages.compare import Params
+
+
+@click.command("compare")
+@click.argument("files", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Table to write, such as X.comparison.h5.")
+@options.parameters(Params)
+@options.common
+def main(files: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
+    """Compare the errors of fused maps (FILES, each with a truth) over scenes and methods.
+
+    A file's scene is its name up to the first dot. Beside the output come a page to open (.html) and all figures (.csv).
+    """
+    from ipcli.stages import compare
+
+    compare.run(files, output, params, run)
+    options.conclude(output, run)

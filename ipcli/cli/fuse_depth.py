@@ -1,0 +1,29 @@
+"""`fuse-depth`: several depth maps as one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ipcli.cli import options
+from ipcli.params import Run
+from ipcli.stages.fuse_depth import Params
+
+
+@click.command("fuse-depth")
+@click.argument("views", type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Fused map to write, such as X.fused.h5.")
+@options.parameters(Params)
+@options.common
+def main(views: Path, output: Path, params: Params, run: Run) -> None:
+    """Fuse the depth maps of VIEWS into one depth map of a reference view, with its confidence.
+
+    VIEWS is a views artefact, a dense COLMAP workspace, a TUM, Open3D/ICL-NUIM or 7-Scenes recording, or a plain folder
+    (depth/, poses.txt, intrinsics.txt). Beside the output come a coloured mesh (.ply) and a report to open (.html).
+    """
+    from ipcli.stages import fuse_depth
+
+    with options.progress("fuse-depth", run) as tell:
+        fuse_depth.run(views, output, params, run, tell)
+    options.conclude(output, run)

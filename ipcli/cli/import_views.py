@@ -1,0 +1,35 @@
+"""`ipcli import-views`: a folder of depth maps and poses as one file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ipcli.cli import options
+from ipcli.params import Run
+from ipcli.stages.import_views import Params
+
+
+@click.command("import-views")
+@click.argument("source", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="The views artefact to write, such as X.views.h5.",
+)
+@options.parameters(Params)
+@options.common
+def main(source: Path, output: Path, params: Params, run: Run) -> None:
+    """Turn SOURCE into one views artefact.
+
+    SOURCE is a dense COLMAP workspace, a TUM, Open3D/ICL-NUIM or 7-Scenes recording, a plain folder (depth/, poses.txt,
+    intrinsics.txt), or another views artefact.
+    """
+    from ipcli.stages import import_views
+
+    with options.progress("import-views", run) as tell:
+        import_views.run(source, output, params, run, tell)
+    options.conclude(output, run)

@@ -1,0 +1,58 @@
+"""`ipcli info`: what a file holds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ipcli.cli import options
+from ipcli.params import Run
+
+
+@click.command("info")
+@click.argument("file", type=click.Path(path_type=Path))
+@options.reading
+def main(file: Path, run: Run) -> None:
+    """Tell what FILE (an .h5 artefact or a .ply) holds: kind, fields, units, and how it was made."""
+    from ipcli.stages import info
+
+    found = info.run(file)
+    if run.json:
+        options.conclude(found, run)
+    else:
+        click.echo("\n".join(_ply(found) if found["kind"] == "ply" else _artefact(found)))
+
+
+def _artefact(found: dict[str, Any]) -> Iterator[str]:
+    yield f"{found['file']}: kind '{found['kind']}', version {found['version']}"
+    rows = [(name, _shape(d["shape"]), d["dtype"], d["units"] or "-", d["doc"]) for name, d in found["datasets"].items()]
+    widths = [max(map(len, column)) for column in list(zip(*rows, strict=True))[:4]]
+    for row in rows:
+        yield "  " + "  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[4]])
+    record = found["provenance"]
+    yield f"made by ipcli {record.get('ipcli', '?')} {record.get('command', '?')}, seed {record.get('seed', '?')}"
+    yield f"digest {record.get('digest', '?')}"
+    yield from (f"  input {item['name']}  sha256 {item['sha256']}" for item in record.get("inputs", ()))
+    yield from (f"  {key} = {value}" for key, value in _flat(record.get("params", {})))
+
+
+def _ply(found: dict[str, Any]) -> Iterator[str]:
+    yield f"{found['file']}: PLY, {found['format']}"
+    for name, element in found["elements"].items():
+        yield f"  {element['count']} x {name}: {', '.join(element['properties'])}"
+    yield from (f"  comment {text}" for text in found["comments"])
+
+
+def _shape(shape: tuple[int, ...]) -> str:
+    return " x ".join(map(str, shape)) or "scalar"
+
+
+def _flat(tree: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for name, value in tree.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value

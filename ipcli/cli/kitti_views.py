@@ -1,0 +1,39 @@
+"""`ipcli kitti-views`: depth maps of KITTI stereo scenes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ipcli.cli import options
+from ipcli.params import Run
+from ipcli.stages.kitti_views import Params
+
+
+@click.command("kitti-views")
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option(
+    "--poses",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="NPZ of all scenes, or text of 12 numbers a frame, or a folder of these.",
+)
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder for SCENE.views.h5.")
+@options.parameters(Params)
+@options.common
+def main(folder: Path, poses: Path, output: Path, params: Params, run: Run) -> None:
+    """Match the stereo pairs of scenes in FOLDER (KITTI stereo 2012).
+
+    Writes the depth maps of both cameras with their poses, one views artefact a scene. Scenes that are there already
+    are left alone.
+    """
+    from ipcli.stages import kitti_views
+
+    with options.progress("kitti-views", run) as tell:
+        outcomes = kitti_views.run(folder, poses, output, params, run, tell)
+    if run.json:
+        options.conclude({"outputs": {str(path): outcome.value for path, outcome in outcomes.items()}}, run)
+    else:
+        for path in outcomes:
+            options.conclude(path, run)

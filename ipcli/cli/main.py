@@ -1,0 +1,130 @@
+"""The table of commands, and the one place where an error becomes a line on stderr and an exit code.
+
+0 done or up to date, 1 failed, 2 wrong usage, 3 no solution, 130 interrupted. A command's module is loaded when it is called for.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import sys
+from functools import partial
+from importlib import import_module
+from typing import NamedTuple
+
+import click
+
+from ipcli import __version__
+from ipcli.errors import IpcliError, nearest
+
+INTERRUPTED = 130
+
+
+class Command(NamedTuple):
+    """Where a command lives, what it does in a line, and whether it is a console script too."""
+
+    target: str
+    help: str
+    is_script: bool = False
+
+
+COMMANDS = {
+    "compare": Command("ipcli.cli.compare:main", "Compare methods by their errors over scenes."),
+    "fuse-depth": Command("ipcli.cli.fuse_depth:main", "Fuse depth maps of several views into one.", is_script=True),
+    "import-views": Command("ipcli.cli.import_views:main", "Turn a folder of depth maps and poses into one views file."),
+    "info": Command("ipcli.cli.info:main", "Tell what a file holds and how it was made."),
+    "kitti-views": Command("ipcli.cli.kitti_views:main", "Make views of KITTI stereo pairs."),
+    "report": Command("ipcli.cli.report:main", "Turn artefacts into one HTML page."),
+}
+
+
+def load(name: str) -> click.Command:
+    """The click command of that name."""
+    module, _, attribute = COMMANDS[name].target.partition(":")
+    command = getattr(import_module(module), attribute)
+    command.epilog = command.epilog or getattr(command.callback, "epilog", None)
+    return command
+
+
+class LazyGroup(click.Group):
+    """A group that lists commands from the table and loads only the one that is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        return load(cmd_name) if cmd_name in COMMANDS else None
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS:
+            raise click.UsageError(f"no command '{args[0]}'{nearest(args[0], COMMANDS)}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, command.help) for name, command in COMMANDS.items()])
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="ipcli")
+def group() -> None:
+    """Vision by regularisation and Bayesian inference. 'ipcli COMMAND --help' tells about a command."""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """`ipcli`: run a command, return its exit code."""
+    return _guarded(group, "ipcli", arguments)
+
+
+def command_main(name: str, arguments: list[str] | None = None) -> int:
+    """A console script: the command of that name by itself."""
+    return _guarded(load(name), name, arguments)
+
+
+fuse_depth = partial(command_main, "fuse-depth")
+
+
+def _guarded(command: click.Command, name: str, arguments: list[str] | None) -> int:
+    """Every way in which a command may end, as an exit code."""
+    _set_up_logging()
+    try:
+        code = command.main(arguments, name, standalone_mode=False)
+        sys.stdout.flush()
+        return code if isinstance(code, int) else 0
+    except click.exceptions.NoArgsIsHelpError as error:
+        error.show()
+        return error.exit_code
+    except click.ClickException as error:
+        return _failed(" ".join(error.format_message().split()), error.exit_code)
+    except IpcliError as error:
+        return _failed(str(error), error.exit_code)
+    except BrokenPipeError:
+        # the reader of our output went away; keep the interpreter from failing once more when it flushes at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except (KeyboardInterrupt, click.Abort):
+        return _failed("interrupted", INTERRUPTED)
+    except OSError as error:
+        return _failed(f"{error.filename}: {error.strerror}" if error.filename else str(error), 1)
+    except MemoryError:
+        return _failed("out of memory. Fewer or smaller views, or --executor serial, need less", 1)
+    except Exception as error:
+        return _failed(f"internal error: {type(error).__name__}: {error}. Run again with -vv and report what it prints", 1)
+
+
+def _failed(message: str, code: int) -> int:
+    """Say it in one line; with -vv the traceback first."""
+    if logging.getLogger("ipcli").isEnabledFor(logging.DEBUG):
+        import traceback
+
+        traceback.print_exc()
+    click.echo("Error: " + " ".join(message.splitlines()), err=True)
+    return code
+
+
+def _set_up_logging() -> None:
+    logger = logging.getLogger("ipcli")
+    logger.handlers = [logging.StreamHandler(sys.stderr)]
+    logger.handlers[0].setFormatter(logging.Formatter("%(message)s"))
+    logger.setLevel(logging.WARNING)
+    logger.propagate = False

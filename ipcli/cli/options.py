@@ -1,0 +1,221 @@
+"""The options that commands share, each declared once.
+
+`@reading`         -v -q --json                                              for commands that only read
+`@common`          these and --threads --seed --overwrite -n --executor      for commands that make artefacts
+`@parameters(Cls)` a flag for each `option(flag=...)` of a params dataclass, --set for the rest, --config for a file
+
+The body of a command gets `run: Run` from the first two and `params: Cls` from the last. `progress` and `conclude` are its voice:
+progress goes to stderr, results alone to stdout.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import logging
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO
+
+import click
+
+from ipcli.params import Leaf, Run, expected, leaves, resolve, shape
+
+if TYPE_CHECKING:
+    from ipcli.executor import Progress
+
+LINE_EVERY = 30.0  # seconds between lines of progress when stderr is no terminal
+BAR = 40  # columns
+
+
+def _set_level(ctx: click.Context, option: click.Parameter, value: int | bool) -> int | bool:
+    """Eager, so that -vv also tells where a wrong option was found wrong."""
+    if value:
+        level = logging.ERROR if option.name == "quiet" else max(logging.DEBUG, logging.WARNING - 10 * value)
+        logging.getLogger("ipcli").setLevel(level)
+    return value
+
+
+VERBOSE = click.option(
+    "-v",
+    "--verbose",
+    count=True,
+    is_eager=True,
+    callback=_set_level,
+    help="Say more; twice: all, with the traceback of an error.",
+)
+QUIET = click.option(
+    "-q", "--quiet", is_flag=True, is_eager=True, callback=_set_level, help="Say nothing but errors; overrules -v."
+)
+JSON = click.option("--json", is_flag=True, help="Print one JSON object instead of text.")
+THREADS = click.option(
+    "--threads", type=click.IntRange(0), default=0, envvar="IPCLI_THREADS", help="Threads; 0: one a core.  [default: 0]"
+)
+SEED = click.option(
+    "--seed", type=click.IntRange(0), default=0, envvar="IPCLI_SEED", help="Seed of all random streams.  [default: 0]"
+)
+OVERWRITE = click.option("--overwrite", is_flag=True, help="Make the output anew, whatever is there.")
+DRY_RUN = click.option("-n", "--dry-run", is_flag=True, help="Only say what would be done.")
+EXECUTOR = click.option(
+    "--executor",
+    default="serial",
+    metavar="SPEC",
+    envvar="IPCLI_EXECUTOR",
+    help="Where many items run: serial, processes:N, dask or dask:ADDRESS.  [default: serial]",
+)
+CONFIG = click.option("--config", type=click.Path(path_type=Path), metavar="FILE.toml", help="Read parameters from a file.")
+SET = click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="Set any parameter; may be repeated.")
+
+
+def reading(command: Callable) -> Callable:
+    """Options of a command that only reads."""
+    return _with_run(command, (JSON, QUIET, VERBOSE))
+
+
+def common(command: Callable) -> Callable:
+    """Options of a command that makes artefacts."""
+    return _with_run(command, (JSON, QUIET, VERBOSE, DRY_RUN, OVERWRITE, EXECUTOR, SEED, THREADS))
+
+
+def _with_run(command: Callable, decorators: tuple[Callable, ...]) -> Callable:
+    @functools.wraps(command)
+    def body(*, verbose: int, quiet: bool, **given: Any) -> Any:
+        from ipcli.executor import set_threads
+
+        names = given.keys() & Run.__dataclass_fields__.keys()
+        run = Run(verbosity=-1 if quiet else verbose, **{name: given.pop(name) for name in names})
+        set_threads(run.threads)
+        return command(run=run, **given)
+
+    return functools.reduce(lambda function, decorate: decorate(function), decorators, body)
+
+
+def parameters(cls: type) -> Callable[[Callable], Callable]:
+    """Flags, --set and --config for a params dataclass; the body gets the resolved instance as `params`."""
+    flagged = [leaf for leaf in leaves(cls) if leaf.option.flag]
+
+    def decorate(command: Callable) -> Callable:
+        @functools.wraps(command)
+        def body(*, config: Path | None, sets: tuple[str, ...], **given: Any) -> Any:
+            values = {leaf.key: given.pop(_variable(leaf)) for leaf in flagged}
+            flags = {key: value for key, value in values.items() if value is not None}
+            params = resolve(cls, config=config, env=os.environ, sets=sets, flags=flags)
+            return command(params=params, **given)
+
+        body.epilog = _epilog(cls)
+        decorators = [SET, CONFIG, *(_flag(leaf) for leaf in reversed(flagged))]
+        return functools.reduce(lambda function, decorate: decorate(function), decorators, body)
+
+    return decorate
+
+
+def _variable(leaf: Leaf) -> str:
+    return "parameter_" + leaf.key.replace(".", "__")
+
+
+def _flag(leaf: Leaf) -> Callable:
+    """Text passes as it is: `resolve` reads it in the same way as --set and the environment."""
+    flag = leaf.option.flag
+    if shape(leaf.type)[0] is bool:
+        name = f"{flag}/--no-{flag.removeprefix('--')}"
+        return click.option(name, _variable(leaf), default=None, help=_help(leaf))
+    return click.option(flag, _variable(leaf), metavar=_metavar(leaf), help=_help(leaf))
+
+
+def _metavar(leaf: Leaf) -> str:
+    item, is_tuple, _ = shape(leaf.type)
+    name = "[" + "|".join(leaf.option.choices) + "]" if leaf.option.choices else item.__name__.upper()
+    return f"{name},..." if is_tuple else name
+
+
+def _help(leaf: Leaf) -> str:
+    about = leaf.option
+    facts = [f"in {about.unit}"] if about.unit else []
+    facts += [expected(leaf)] if about.flag and (about.low is not None or about.high is not None) else []
+    return f"{about.help}  [{'; '.join([*facts, f'default: {_shown(leaf.default)}'])}]"
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, tuple):
+        return ",".join(map(str, value))
+    return str(value).lower() if value is None or isinstance(value, bool) else str(value)
+
+
+def _epilog(cls: type) -> str | None:
+    """The parameters that have no flag; the mark in front keeps click from joining the lines."""
+    rare = [leaf for leaf in leaves(cls) if not leaf.option.flag]
+    if not rare:
+        return None
+    rows = [f"  {leaf.key} ({expected(leaf)}): {_help(leaf)}" for leaf in rare]
+    return "\b\nSettings for --set / TOML:\n" + "\n".join(rows)
+
+
+@contextmanager
+def progress(label: str, run: Run) -> Iterator[Progress]:
+    """A callable for stages, `tell(fraction, text)`: a bar on a terminal, else a line every 30 s; silent with -q."""
+    teller = Teller(label, sys.stderr, quiet=run.verbosity < 0)
+    try:
+        yield teller
+    finally:
+        teller.close()
+
+
+class Teller:
+    """Progress of one job on one stream."""
+
+    def __init__(self, label: str, stream: TextIO, *, quiet: bool = False, clock: Callable[[], float] = time.monotonic):
+        self.label, self.stream, self.quiet, self.clock = label, stream, quiet, clock
+        self.on_terminal = stream.isatty()
+        self.told = clock()
+        self.drawn = 0
+
+    def __call__(self, fraction: float, text: str = "") -> None:
+        if self.quiet:
+            return
+        if self.on_terminal:
+            self._draw(fraction, text)
+        elif self.clock() - self.told >= LINE_EVERY:
+            self.told = self.clock()
+            print(f"{self.label}: {fraction:.0%} {text}".rstrip(), file=self.stream, flush=True)
+
+    def _draw(self, fraction: float, text: str) -> None:
+        filled = round(BAR * min(max(fraction, 0.0), 1.0))
+        line = f"{self.label} [{'#' * filled}{'.' * (BAR - filled)}] {fraction:4.0%} {text}".rstrip()
+        self.stream.write("\r" + line.ljust(self.drawn))
+        self.stream.flush()
+        self.drawn = len(line)
+
+    def close(self) -> None:
+        """Leave the terminal on a fresh line."""
+        if self.drawn:
+            self.stream.write("\r" + " " * self.drawn + "\r")
+            self.stream.flush()
+
+
+def conclude(result: Path | Mapping[str, Any], run: Run) -> None:
+    """The result on stdout: with --json one object ({"output": path} for a path), else the path, or each `key: value`."""
+    facts = result if isinstance(result, Mapping) else {"output": result}
+    if run.json:
+        click.echo(json.dumps(_jsonable(facts), allow_nan=False))
+    elif "output" in facts:
+        click.echo(str(facts["output"]))
+    else:
+        click.echo("\n".join(f"{key}: {value}" for key, value in facts.items()))
+
+
+def _jsonable(value: Any) -> Any:
+    """Plain JSON: paths as text, numbers of numpy as Python's, NaN and infinity as null."""
+    if isinstance(value, Mapping):
+        return {str(key): _jsonable(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_jsonable(item) for item in value]
+    if hasattr(value, "tolist"):
+        return _jsonable(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if isinstance(value, (str, int, float, bool)) or value is None else str(value)

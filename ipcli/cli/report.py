@@ -1,0 +1,27 @@
+"""`ipcli report`: an artefact as a page to look at."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ipcli.cli import options
+from ipcli.params import Run
+from ipcli.stages.report import Params
+
+
+@click.command("report")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), metavar="PAGE.html", help="Page to write.  [default: FILE.html]"
+)
+@options.parameters(Params)
+@options.common
+def main(file: Path, output: Path | None, params: Params, run: Run) -> None:
+    """Draw the artefact FILE (a fused depth map, or views) as one self-contained HTML page."""
+    from ipcli.stages import report
+
+    output = output or file.with_suffix(".html")
+    outcome = report.run(file, output, params, run)
+    options.conclude({"output": output, "outcome": outcome.value}, run)

@@ -1,0 +1,1 @@
+"""Geometry on plain arrays: cameras, Lie groups, curvature, meshes, silhouettes, ray casting, distances."""

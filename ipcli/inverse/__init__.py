@@ -1,0 +1,1 @@
+"""The two kinds of mathematics of the thesis: regularisation here, Bayesian inference beside it."""

@@ -1,0 +1,207 @@
+"""Data terms scale * sum_k w_k rho(x - d_k) of K observations a pixel, for rho = |r|, r^2 / 2 or Huber's, missing ones left out.
+
+All arrays are float32 and C-contiguous. A new data term is a class with the methods of `Fidelity`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+
+class Fidelity(Protocol):
+    """What `tgv.minimise` asks of a data term f on images (h, w), a sum over pixels."""
+
+    def rows(self, top: int, bottom: int) -> Fidelity:
+        """The same data term on these rows of the image."""
+
+    def prox(self, x: np.ndarray, x_bar: np.ndarray, y: np.ndarray, tau: float, rho: float) -> None:
+        """With z = prox_{tau f}(y): x_bar <- 2 z - x, then x <- x + rho (z - x), in place."""
+
+    def energy(self, x: np.ndarray) -> np.ndarray:
+        """f(x), summed over each row: (h,) float64."""
+
+    def lowest(self, tilt: np.ndarray, low: float, high: float, x: np.ndarray) -> np.ndarray:
+        """Per row (h,) a lower bound of min f(z) + <tilt, z> over low <= z <= high, exact if it can be; x is the present image."""
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """K sorted observations a pixel; see `ipcli.kernels.fidelity` for the layout."""
+
+    stack: np.ndarray  # (h, K, w) ascending, +inf where there is none
+    weights: np.ndarray | None  # (h, K, w), 0 where there is none; None: all 1
+    total: np.ndarray  # (h, w) sum of the weights
+    count: np.ndarray  # (h, w) number of observations
+
+    @classmethod
+    def of(cls, layers: np.ndarray, weights: np.ndarray | None = None) -> Observations:
+        """Sort layers (K, h, w), NaN or inf where there is no observation; weights (K, h, w) >= 0, where 0 means none too."""
+        from ipcli.kernels import fidelity as kernels
+
+        present = np.isfinite(layers) if weights is None else np.isfinite(layers) & (weights > 0)
+        layers = np.where(present, layers, np.inf).astype(np.float32, copy=False)
+        k, h, w = layers.shape
+        stack = np.empty((h, k, w), np.float32)
+        count = present.sum(axis=0, dtype=np.float32)
+        if weights is None:
+            kernels.sort_stack(stack, layers)
+            return cls(stack, None, count, count)
+        weights = np.where(present, weights, 0).astype(np.float32, copy=False)
+        sorted_weights = np.empty_like(stack)
+        kernels.sort_weighted_stack(stack, sorted_weights, layers, weights)
+        return cls(stack, sorted_weights, sorted_weights.sum(axis=1), count)
+
+    def rows(self, top: int, bottom: int) -> Observations:
+        """The observations of these rows of the image."""
+        weights = None if self.weights is None else self.weights[top:bottom]
+        return Observations(self.stack[top:bottom], weights, self.total[top:bottom], self.count[top:bottom])
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Least and greatest observation."""
+        return float(self.stack[:, 0].min()), float(self.stack.max(where=np.isfinite(self.stack), initial=-np.inf))
+
+    def median(self) -> np.ndarray:
+        """Weighted median (h, w), the middle of the two when the weights tie; NaN where nothing was observed."""
+        below = self.half_weight_index(strict=False)
+        above = self.half_weight_index(strict=True)
+        low, high = (np.take_along_axis(self.stack, index[:, None], axis=1)[:, 0] for index in (below, above))
+        return np.where(self.count > 0, (low + high) / 2, np.nan).astype(np.float32)
+
+    def half_weight_index(self, *, strict: bool) -> np.ndarray:
+        """Index (h, w) of the first observation up to which the weight reaches (strictly: exceeds) half the total."""
+        if self.weights is None:
+            index = self.count // 2 if strict else (self.count - 1) // 2
+            return np.clip(index, 0, self.stack.shape[1] - 1).astype(np.intp)
+        reached = np.cumsum(self.weights, axis=1, dtype=np.float64)
+        half = reached[:, -1:] / 2
+        return np.argmax(reached > half if strict else reached >= half, axis=1)
+
+    def mean(self) -> np.ndarray:
+        """Weighted mean (h, w); NaN where nothing was observed."""
+        present = np.isfinite(self.stack)
+        weights = present if self.weights is None else self.weights
+        with np.errstate(invalid="ignore"):
+            return (np.where(present, self.stack, 0) * weights).sum(axis=1, dtype=np.float32) / self.total
+
+
+@dataclass(frozen=True, eq=False)
+class AbsoluteDeviations:
+    """sum_i scale_i sum_k w_ik huber(x_i - d_ik); width 0, the default, means |x_i - d_ik|."""
+
+    data: Observations
+    scale: np.ndarray  # (h, w) float32
+    width: float = 0.0
+
+    @property
+    def total(self) -> np.ndarray:
+        """Sum of the weights (h, w)."""
+        return self.data.total
+
+    def rows(self, top, bottom):
+        return AbsoluteDeviations(self.data.rows(top, bottom), self.scale[top:bottom], self.width)
+
+    def prox(self, x, x_bar, y, tau, rho):
+        from ipcli.kernels import fidelity as kernels
+
+        d, tau, rho = self.data, np.float32(tau), np.float32(rho)
+        if self.width:
+            width = np.float32(self.width)
+            kernels.prox_huber(x, x_bar, y, d.stack, d.weights, d.total, d.count, self.scale, width, tau, rho)
+        else:
+            kernels.prox_l1(x, x_bar, y, d.stack, d.weights, d.total, self.scale, tau, rho)
+
+    def deviation(self, x: np.ndarray) -> np.ndarray:
+        """sum_k w_k huber(x - d_k), (h, w): the data term without its scale."""
+        from ipcli.kernels import fidelity as kernels
+
+        return kernels.deviation(x, self.data.stack, self.data.weights, np.float32(self.width))
+
+    def energy(self, x):
+        return (self.scale * self.deviation(x)).sum(axis=1, dtype=np.float64)
+
+    def lowest(self, tilt, low, high, x):
+        from ipcli.kernels import fidelity as kernels
+
+        d = self.data
+        if self.width:
+            width = np.float32(self.width)
+            return kernels.lowest_huber_rows(tilt, d.stack, d.weights, d.count, self.scale, width, low, high)
+        return kernels.lowest_l1_rows(tilt, d.stack, d.weights, d.total, self.scale, low, high)
+
+
+@dataclass(frozen=True, eq=False)
+class SquaredDeviations:
+    """sum_i scale_i sum_k w_ik (x_i - d_ik)^2 / 2: the fidelity of Rudin, Osher and Fatemi for several observations."""
+
+    mean: np.ndarray  # (h, w) weighted mean of the observations, any number where there is none
+    total: np.ndarray  # (h, w) sum of the weights
+    spread: np.ndarray  # (h, w) sum_k w_k (d_k - mean)^2 / 2
+    scale: np.ndarray  # (h, w) float32
+
+    @classmethod
+    def of(cls, data: Observations, scale: np.ndarray) -> SquaredDeviations:
+        mean = np.nan_to_num(data.mean())
+        present = np.isfinite(data.stack)
+        squares = (np.where(present, data.stack, 0) - np.where(present, mean[:, None], 0)) ** 2 / 2
+        spread = (squares if data.weights is None else squares * data.weights).sum(axis=1)
+        return cls(mean, data.total, spread, scale)
+
+    def rows(self, top, bottom):
+        return SquaredDeviations(*(plane[top:bottom] for plane in (self.mean, self.total, self.spread, self.scale)))
+
+    def prox(self, x, x_bar, y, tau, rho):
+        from ipcli.kernels import fidelity as kernels
+
+        kernels.prox_l2(x, x_bar, y, self.mean, self.total, self.scale, np.float32(tau), np.float32(rho))
+
+    def deviation(self, x: np.ndarray) -> np.ndarray:
+        """sum_k w_k (x - d_k)^2 / 2, (h, w): the data term without its scale."""
+        return self.total * (x - self.mean) ** 2 / 2 + self.spread
+
+    def energy(self, x):
+        return (self.scale * self.deviation(x)).sum(axis=1, dtype=np.float64)
+
+    def lowest(self, tilt, low, high, x):
+        stiffness = self.scale * self.total
+        with np.errstate(divide="ignore", invalid="ignore"):
+            z = np.where(stiffness > 0, self.mean - tilt / stiffness, np.where(tilt > 0, low, high))
+        z = np.clip(z, low, high).astype(np.float32)
+        return self.energy(z) + _products(tilt, z)
+
+
+@dataclass(frozen=True, eq=False)
+class Anchored:
+    """Another data term plus |x - anchor|^2 / (2 step): the proximal step of alternating minimisation (Algorithm 4.2)."""
+
+    inner: Fidelity
+    anchor: np.ndarray  # (h, w) float32
+    step: float
+
+    def rows(self, top, bottom):
+        return Anchored(self.inner.rows(top, bottom), self.anchor[top:bottom], self.step)
+
+    def prox(self, x, x_bar, y, tau, rho):
+        share = np.float32(self.step / (self.step + tau))
+        y *= share
+        y += (1 - share) * self.anchor
+        self.inner.prox(x, x_bar, y, float(share) * tau, rho)
+
+    def energy(self, x):
+        return self.inner.energy(x) + self._distance(x)
+
+    def lowest(self, tilt, low, high, x):
+        # Split the tilt so that the square alone is lowest at x: valid for any split, and tight at the solution.
+        pull = (self.anchor - x) / np.float32(self.step)
+        return self.inner.lowest(tilt - pull, low, high, x) + self._distance(x) + _products(pull, x)
+
+    def _distance(self, x: np.ndarray) -> np.ndarray:
+        return _products(x - self.anchor, x - self.anchor) / (2 * self.step)
+
+
+def _products(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Inner products of the rows, (h,) float64."""
+    return np.einsum("ij,ij->i", a, b, dtype=np.float64)

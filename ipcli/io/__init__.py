@@ -1,0 +1,1 @@
+"""One file a format. Only stages and report import this folder; atomic.py is the only writer."""

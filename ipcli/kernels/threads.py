@@ -1,0 +1,39 @@
+"""Blocks of image rows on threads. Kernels release the interpreter lock, so plain threads run them side by side.
+
+A parallel loop of numba would meet at a barrier in every kernel, some thousand times a second; on a machine that does other
+work too, each such meeting can cost a time slice. Blocks that run on their own for a while meet seldom.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+import os
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def count() -> int:
+    """Threads to use: NUMBA_NUM_THREADS, which `--threads` sets, or the processors this process may run on."""
+    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return int(os.environ.get("NUMBA_NUM_THREADS") or available or 1)
+
+
+def blocks(height: int, least: int = 1) -> list[tuple[int, int]]:
+    """(top, bottom) of blocks of rows, one a thread, of at least `least` rows each."""
+    number = max(min(count(), height // least), 1)
+    edges = [height * i // number for i in range(number + 1)]
+    return list(zip(edges[:-1], edges[1:], strict=True))
+
+
+def each(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
+    """The function of every item, side by side, in their order."""
+    return [function(item) for item in items] if len(items) == 1 else list(_pool(count()).map(function, items))
+
+
+@cache
+def _pool(workers: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(workers, thread_name_prefix="rows")

@@ -1,0 +1,1 @@
+"""The thesis' models, on plain arrays; a folder a chapter."""

@@ -1,0 +1,160 @@
+"""Depth and confidence together: the biconvex energy (4.3) and the algorithms that lower it.
+
+In the units of the noise, with the data term and its prior weighed by lambda,
+
+    E(x, L) = TGV(x) + lambda sum_i [ L_i D_i(x) + rate_i L_i - b_i log L_i ],   D_i(x) = sum_k w_ik |x_i - d_ik|,
+
+where rate = 1/(2W). The best confidence of an image is L_i = b_i / (D_i(x) + rate_i), eq. (4.14); put in, it leaves
+
+    F(x) = TGV(x) + lambda sum_i b_i log(D_i(x) + rate_i)   (+ terms without x),
+
+the merit that every round of alternate convex search lowers (it minimises a majorant of F), and that stops it. By default
+b_i = K_i + shape - 1 for K_i observations: the confidence is then the posterior mode of the precision of Laplace noise under
+a Gamma(shape, rate) prior. The code published with the thesis never used L in ACS and AMA; see docs/errata.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ipcli.inverse.regularize import tgv
+from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Anchored, Fidelity, SquaredDeviations
+from ipcli.inverse.regularize.parameters import Regulariser, Solver
+
+SETTLED = 1e-3  # a round that lowers the merit by less than this share of its regularised part was the last one
+BICONVEX_STEP = 0.1  # tau of the confidence in Algorithm 4.4
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Energy (4.3) for one image; L and its prior are (h, w) float32."""
+
+    fidelity: AbsoluteDeviations | SquaredDeviations  # its scale is set anew from the confidence
+    lam: float
+    regulariser: Regulariser
+    bounds: tuple[float, float]
+    b: np.ndarray
+    rate: np.ndarray
+
+    def at(self, confidence: np.ndarray) -> AbsoluteDeviations | SquaredDeviations:
+        """The data term lambda L D of a given confidence."""
+        return replace(self.fidelity, scale=(self.lam * confidence).astype(np.float32))
+
+    def best_confidence(self, x: np.ndarray) -> np.ndarray:
+        """L of an image, eq. (4.14); 0 where nothing was observed."""
+        observed = self.fidelity.total > 0
+        return np.where(observed, self.b / (self.fidelity.deviation(x) + self.rate), 0).astype(np.float32)
+
+    def merit(self, iterate: tgv.Iterate) -> float:
+        """F at an iterate, with its own slopes in place of the best ones."""
+        data = self.b * np.log(self.fidelity.deviation(iterate.x) + self.rate, dtype=np.float64)
+        observed = self.fidelity.total > 0
+        return tgv.value(iterate.x, iterate.v, self.regulariser) + self.lam * float(data.sum(where=observed))
+
+
+@dataclass
+class History:
+    """Rows (round, iteration, energy, restricted gap, merit) of a fusion; the merit stands in the last row of its round."""
+
+    rows: list[tuple[float, float, float, float, float]] = field(default_factory=list)
+
+    def add(self, looks: list[tgv.Look], merit: float = np.nan) -> None:
+        """A round more."""
+        round, start = (self.rows[-1][0] + 1, self.rows[-1][1]) if self.rows else (0, 0)
+        self.rows += [(round, start + look.iteration, look.energy, look.gap, np.nan) for look in looks]
+        self.mark(merit)
+
+    def mark(self, merit: float) -> None:
+        """The merit where the last round ended."""
+        self.rows[-1] = (*self.rows[-1][:4], merit)
+
+
+def with_given_confidence(problem: Problem, confidence: np.ndarray, iterate: tgv.Iterate, solver: Solver, history: History) -> None:
+    """Algorithm 4.3 by the fast solver: the depth for a confidence that stays as it is."""
+    history.add(tgv.minimise(problem.at(confidence), problem.regulariser, iterate, problem.bounds, solver))
+
+
+def alternate_convex_search(problem: Problem, iterate: tgv.Iterate, solver: Solver, rounds: int, history: History) -> None:
+    """Algorithm 4.1: the best confidence of the depth, then the best depth of the confidence, until the merit settles.
+
+    A round is only over once its energy is no higher than where it began; with the best confidence there, this makes the
+    merit fall.
+    """
+    merit = problem.merit(iterate)
+    history.mark(merit)
+    for _ in range(rounds):
+        before, merit = merit, _round(problem, problem.at(problem.best_confidence(iterate.x)), iterate, solver, history)
+        if settled(before - merit, problem, iterate):
+            break
+
+
+def alternate_minimisation(problem: Problem, iterate: tgv.Iterate, solver: Solver, rounds: int, history: History) -> None:
+    """Algorithm 4.2: as alternate convex search, each step held near the last by a proximal term that doubles its reach.
+
+    The reach starts at 1/K, where the joint problem is convex (K-semiconvexity; the thesis' sqrt(N) is not needed).
+    """
+    reach = 1.0 / max(float(problem.fidelity.total.max()), 1.0)
+    confidence = problem.best_confidence(iterate.x)
+    merit = problem.merit(iterate)
+    history.mark(merit)
+    for _ in range(rounds):
+        confidence = confidence_step(confidence, problem, iterate.x, reach)
+        anchored = Anchored(problem.at(confidence), iterate.x.copy(), reach)
+        before, merit = merit, _round(problem, anchored, iterate, solver, history)
+        if settled(before - merit, problem, iterate):
+            break
+        reach *= 2
+
+
+def biconvex_primal_dual(problem: Problem, iterate: tgv.Iterate, solver: Solver, rounds: int, history: History) -> None:
+    """Algorithm 4.4: one proximal step of the confidence in every iteration of the depth.
+
+    Its K dual images are replaced by their optimum, the exact proximal map. Not proven to converge; the history shows it.
+    """
+    confidence, solver = problem.best_confidence(iterate.x), iterate.balanced(solver)
+    history.mark(problem.merit(iterate))
+    for _ in range(rounds):
+        for _ in range(solver.check - 1):
+            confidence = confidence_step(confidence, problem, iterate.x, BICONVEX_STEP)
+            iterate.advance(problem.at(confidence), problem.regulariser, solver, [1.0])
+        quick = replace(solver, iterations=1, check=1)
+        looks = tgv.minimise(problem.at(confidence), problem.regulariser, iterate, problem.bounds, quick)
+        history.add([replace(looks[0], iteration=solver.check)], problem.merit(iterate))
+
+
+def confidence_step(confidence: np.ndarray, problem: Problem, x: np.ndarray, step: float) -> np.ndarray:
+    """Proximal step of the confidence, eqs. (4.15)-(4.17): the positive root of L^2 - a L - b step = 0."""
+    a = confidence - step * (problem.fidelity.deviation(x) + problem.rate)
+    half = (np.abs(a) + np.sqrt(a * a + 4 * problem.b * step)) / 2
+    root = np.where(a > 0, half, problem.b * step / half)  # each without cancellation
+    return np.where(problem.fidelity.total > 0, root, 0).astype(np.float32)
+
+
+def settled(gain: float, problem: Problem, iterate: tgv.Iterate) -> bool:
+    """Whether a round that lowered the merit by `gain` was not worth another one."""
+    return gain <= SETTLED * tgv.value(iterate.x, iterate.v, problem.regulariser)
+
+
+def _round(problem: Problem, fidelity: Fidelity, iterate: tgv.Iterate, solver: Solver, history: History) -> float:
+    """Minimise for one confidence, to an energy no higher than at the start; the merit there.
+
+    Out of iterations above it, the image goes back to where it was.
+    """
+    ceiling = iterate.energy(fidelity, problem.regulariser)
+    x, v = iterate.x.copy(), iterate.v.copy()
+    looks = tgv.minimise(fidelity, problem.regulariser, iterate, problem.bounds, solver, ceiling=ceiling)
+    if looks[-1].energy > ceiling:
+        iterate.x[:], iterate.v[:] = x, v
+    merit = problem.merit(iterate)
+    history.add(looks, merit)
+    return merit
+
+
+ALGORITHMS: dict[str, Callable[[Problem, tgv.Iterate, Solver, int, History], None]] = {
+    "acs": alternate_convex_search,
+    "ama": alternate_minimisation,
+    "biconvex": biconvex_primal_dual,
+}

@@ -1,0 +1,77 @@
+"""Errors of depth maps against ground truth: plain ones, those of the thesis' tables, and those of the KITTI benchmark."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ipcli.geometry.surface import normals
+
+DEPTH_COLUMNS = ("density %", "RMSE", "MAE", "centred RMSE", "Z-MAE", "N-MAE rad")
+DISPARITY_COLUMNS = ("out-3 %", "D-avg px")
+
+
+def compare(
+    maps: dict[str, np.ndarray], truth: np.ndarray, intrinsics: np.ndarray, baseline_focal: float | None
+) -> tuple[list[str], np.ndarray]:
+    """Columns and a row of figures for each depth map (h, w), NaN = nothing, against the truth (h, w), NaN = unknown.
+
+    Depth errors are taken where every map has a value, so that no map gains by leaving the hard pixels out; the density says
+    how much of the truth each covers by itself. centred RMSE and Z-MAE are those of the thesis' tables, after subtracting the
+    mean and the median error; N-MAE is the mean angle between the normals in radians, a missing normal counting 90 degrees.
+    With baseline_focal (pixels times unit) follow the share of disparities that are off by more than 3 px and the mean
+    disparity error, both after the background interpolation of the KITTI benchmark and so on every pixel of the truth.
+    """
+    known = np.isfinite(truth)
+    everywhere = known & np.isfinite(np.stack(list(maps.values()))).all(axis=0)
+    true_normals = normals(truth, intrinsics)
+    rows = []
+    for depth in maps.values():
+        row = [100 * np.isfinite(depth[known]).mean(), *depth_errors(depth, truth, everywhere)]
+        row.append(normal_error(normals(depth, intrinsics), true_normals, everywhere))
+        if baseline_focal:
+            row += disparity_errors(baseline_focal / depth, baseline_focal / truth)
+        rows.append(row)
+    return list(DEPTH_COLUMNS + (DISPARITY_COLUMNS if baseline_focal else ())), np.array(rows)
+
+
+def depth_errors(depth: np.ndarray, truth: np.ndarray, where: np.ndarray) -> list[float]:
+    """RMSE, MAE, RMSE about the mean error and MAE about the median error over the pixels of `where`; NaN without any."""
+    if not where.any():
+        return [float("nan")] * 4
+    error = (depth[where] - truth[where]).astype(np.float64)
+    return [float(np.sqrt((error**2).mean())), float(np.abs(error).mean()), float(error.std()),
+            float(np.abs(error - np.median(error)).mean())]  # fmt: skip
+
+
+def normal_error(n: np.ndarray, true_n: np.ndarray, where: np.ndarray) -> float:
+    """Mean angle in radians between normals (h, w, 3) where the true one is defined; a missing one counts pi / 2."""
+    where = where & np.isfinite(true_n).all(axis=-1)
+    if not where.any():
+        return float("nan")
+    cosine = np.clip((n[where].astype(np.float64) * true_n[where]).sum(axis=-1), -1, 1)
+    return float(np.where(np.isfinite(cosine), np.arccos(cosine), np.pi / 2).mean())
+
+
+def disparity_errors(disparity: np.ndarray, truth: np.ndarray, tolerance: float = 3.0) -> list[float]:
+    """Percentage of the pixels of the truth off by more than `tolerance`, and mean error, in pixels."""
+    known = np.isfinite(truth)
+    error = np.abs(interpolate_background(disparity)[known] - truth[known])
+    return [float(100 * (error > tolerance).mean()), float(error.mean())]
+
+
+def interpolate_background(disparity: np.ndarray) -> np.ndarray:
+    """Fill the NaN of a disparity map (h, w) as the KITTI development kit does: the smaller neighbour along the row, the only
+    one at its ends, then the nearest value along the column. NaN stays only if there is no value at all."""
+    filled = _fill_rows(disparity, np.fmin)
+    return _fill_rows(filled.T, lambda before, after: np.where(np.isfinite(before), before, after)).T
+
+
+def _fill_rows(image: np.ndarray, choose) -> np.ndarray:
+    valid = np.isfinite(image)
+    column = np.broadcast_to(np.arange(image.shape[1]), image.shape)
+    last = np.maximum.accumulate(np.where(valid, column, -1), axis=1)
+    following = np.minimum.accumulate(np.where(valid, column, image.shape[1])[:, ::-1], axis=1)[:, ::-1]
+    row = np.arange(image.shape[0])[:, None]
+    before = np.where(last >= 0, image[row, np.maximum(last, 0)], np.nan)
+    after = np.where(following < image.shape[1], image[row, np.minimum(following, image.shape[1] - 1)], np.nan)
+    return np.where(valid, image, choose(before, after))

@@ -1,0 +1,76 @@
+"""The observations of a fusion in the quantity whose noise is homogeneous, measured in units of that noise.
+
+TGV with absolute deviations does not care about units, but the confidence, its prior, Huber's width and the step sizes do;
+in units of the noise a scene in millimetres gives the same picture as the same scene in metres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipcli.errors import NoSolution
+from ipcli.inverse.regularize.fidelity import Observations
+
+MAD_TO_SIGMA = 1.4826  # of a normal distribution; for a Laplace distribution of scale b the result is 1.03 b
+# Of K = 2, 3, ... values, what their median absolute deviation from their own median, pooled over many such samples, falls short
+# by (an odd K has a deviation of 0); simulated, midway between Laplace and normal noise. K / (K - 1) for more.
+SMALL_SAMPLE = np.array([1.31, 2.03, 1.32, 1.32, 1.235, 1.185, 1.165])
+SAMPLE = 50_000  # pixels, in whole rows, are enough to measure by
+SMALLEST_NOISE = 1e-6  # of the median value: what float32 can tell apart, for data without noise
+
+
+@dataclass(frozen=True)
+class Units:
+    """z <-> x = (q - centre) / scale, where q is the depth z or its inverse."""
+
+    inverse: bool
+    centre: float
+    scale: float
+    floor: float  # least q that is turned into a depth: in-painted inverse depths may not cross zero
+
+    def normalise(self, depth: np.ndarray) -> np.ndarray:
+        """Depth, NaN or inf where there is none, to x, NaN there; float32."""
+        depth = np.where(np.isfinite(depth), depth, np.nan)
+        q = 1 / depth if self.inverse else depth
+        return ((q - self.centre) / self.scale).astype(np.float32)
+
+    def depth(self, x: np.ndarray) -> np.ndarray:
+        """x to depth, float32."""
+        q = np.maximum(x.astype(np.float64) * self.scale + self.centre, self.floor)
+        return (1 / q if self.inverse else q).astype(np.float32)
+
+
+def measure(layers: np.ndarray, *, inverse: bool) -> Units:
+    """Units of depth layers (K, h, w), +inf = nothing; NoSolution if no pixel of the reference was observed."""
+    seen = np.isfinite(layers)
+    if not seen.any():
+        raise NoSolution("no view has a valid depth inside the reference view: check the poses, their direction and the unit")
+    sample = np.where(seen, layers, np.nan)[:, :: max(layers[0].size // SAMPLE, 1)]
+    sample = sample if np.isfinite(sample).any() else np.where(seen, layers, np.nan)
+    q = 1 / sample if inverse else sample
+    centre = float(np.nanmedian(q))
+    least = 1 / layers.max(where=seen, initial=0) if inverse else layers.min()
+    return Units(inverse, centre, max(noise_scale(q), SMALLEST_NOISE * abs(centre)), floor=float(least) / 2)
+
+
+def noise_scale(q: np.ndarray) -> float:
+    """Robust standard deviation of layers (K, h, w), NaN = nothing, about the median of their pixel.
+
+    Of the pixels with at least two observations, each corrected for the share of the noise that its median took up; with
+    fewer than 1 % of such pixels, of the second differences along rows of the single observations.
+    """
+    observations = Observations.of(q)
+    several = observations.count >= 2
+    if several.mean() < 0.01:
+        second = np.diff(q, n=2, axis=2)
+        return MAD_TO_SIGMA * float(np.nanmedian(np.abs(second))) / np.sqrt(6) if np.isfinite(second).any() else 0.0
+    count = observations.count[several]
+    residual = np.abs(q[:, several] - observations.median()[several]) * _shortfall(count)
+    return MAD_TO_SIGMA * float(np.nanmedian(residual))
+
+
+def _shortfall(count: np.ndarray) -> np.ndarray:
+    few = SMALL_SAMPLE[np.minimum(count.astype(np.intp) - 2, len(SMALL_SAMPLE) - 1)]
+    return np.where(count < 2 + len(SMALL_SAMPLE), few, count / (count - 1))

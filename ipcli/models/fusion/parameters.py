@@ -1,0 +1,70 @@
+"""What can be chosen about a fusion, declared once for flags, configuration files and provenance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ipcli.inverse.regularize.parameters import Regulariser, Solver
+from ipcli.params import option
+
+
+@dataclass(frozen=True)
+class Method:
+    """A row of table 4.1: regulariser, data term, and where the confidence comes from."""
+
+    order: int  # 2: TGV, 1: TV, 0: no regularisation
+    deviation: str  # "absolute", "squared" or "huber"; without regularisation these mean median and mean
+    adaptive: bool = False  # estimate the confidence with the depth
+    normals: bool = False  # prior confidence (4.35) from the angle between surface and view
+    edges: bool = False  # prior confidence (4.37) from the edges of the image
+    of_median: bool = False  # regularise the median instead of all observations
+
+
+METHODS = {
+    "mean": Method(0, "squared"),
+    "median": Method(0, "absolute"),
+    "rof": Method(1, "squared"),
+    "rof-median": Method(1, "squared", of_median=True),
+    "tv-l1": Method(1, "absolute"),
+    "tgv-l1": Method(2, "absolute"),
+    "tgv-huber": Method(2, "huber"),
+    "l1-heuristic": Method(2, "absolute", normals=True),
+    "rof-adapt": Method(1, "squared", adaptive=True),
+    "l1-adapt": Method(2, "absolute", adaptive=True),
+    "adapt-hprior": Method(2, "absolute", adaptive=True, normals=True),
+    "adapt-hprior-g": Method(2, "absolute", adaptive=True, normals=True, edges=True),
+}
+
+
+@dataclass(frozen=True)
+class Confidence:
+    """Hyper-parameters of the confidence L in (4.3), all relative to the noise scale of the observations.
+
+    The defaults make the prior worth 20 observations at the noise scale: a confidence from K observations alone varies by
+    1/sqrt(K) where the noise does not, which costs more than it gains (docs/fuse-depth.md has the figures). The thesis'
+    code takes shape 1.5 and rate 0.1, in the unit of the depth.
+    """
+
+    given: bool = option(True, "use the confidences that come with the views as weights", flag="--given-confidence")
+    b: float = option(0.0, "weight of -log det L; 0: the pixel's number of observations + shape - 1", low=0.0)
+    shape: float = option(21.0, "shape of the Gamma prior on a pixel's confidence", low=1.0)
+    rate: float = option(20.0, "rate 1/(2W) of the Gamma prior; a prior confidence divides it", low=1e-6)
+    edge_gain: float = option(1.0, "alpha of the edge confidence 1 + alpha g^beta, g in [0, 1]", low=0.0)
+    edge_power: float = option(1.0, "beta of the edge confidence", low=0.0)
+    edge_blur: float = option(1.0, "standard deviation of the blur of the image gradient", low=0.0, unit="px")
+
+
+@dataclass(frozen=True)
+class Fusion:
+    """Energy (4.3) and the algorithm that lowers it."""
+
+    method: str = option("l1-adapt", "row of table 4.1", flag="--method", choices=tuple(METHODS))
+    algorithm: str = option("acs", "how an adaptive confidence is found", flag="--algorithm", choices=("acs", "ama", "biconvex"))
+    lam: float | None = option(
+        None, "weight lambda of the data; more follows them, less smooths; if not given 1/sqrt(K), K views a pixel", flag="--lambda", low=0.0
+    )
+    rounds: int = option(4, "rounds of confidence and depth at the most", flag="--rounds", low=1)
+    huber: float = option(1.0, "width of the Huber deviation, in noise scales", low=1e-6)
+    confidence: Confidence = field(default_factory=Confidence)
+    regulariser: Regulariser = field(default_factory=Regulariser)
+    solver: Solver = field(default_factory=Solver)

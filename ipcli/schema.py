@@ -1,0 +1,256 @@
+"""Every kind of HDF5 artefact: its fields with dtype, symbolic dims, units and meaning. Checked when written and when read.
+
+A symbol in `dims` (h, w, k) must stand for one length throughout an artefact; in a field of a collection ("views/*/depth") it is
+bound anew for each item. `Domain` says which values a number may take. docs/formats.md is `markdown()`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ipcli.errors import IpcliError, nearest
+
+ITEM = r"(?P<item>[^/.][^/]*)"
+
+
+class SchemaError(IpcliError):
+    """Arrays that do not make up an artefact of their kind."""
+
+
+class Domain(NamedTuple):
+    """Finite values above `low` (or from it, when `closed`), and NaN if `nan`."""
+
+    text: str
+    low: float = -np.inf
+    closed: bool = True
+    nan: bool = False
+
+    def holds(self, values: np.ndarray) -> np.ndarray:
+        above = values >= self.low if self.closed else values > self.low
+        inside = above & np.isfinite(values)
+        return inside | np.isnan(values) if self.nan else inside
+
+
+FINITE = Domain("finite")
+DISTANCE = Domain("> 0, or NaN where unknown", 0.0, closed=False, nan=True)
+WEIGHT = Domain("finite, >= 0", 0.0)
+
+
+@dataclass(frozen=True)
+class Field:
+    """One dataset. `name` may hold one "*" for the item of a collection; dtype "str" is Unicode text of any length."""
+
+    name: str
+    dtype: str
+    dims: tuple[str | int, ...]
+    units: str
+    doc: str
+    optional: bool = False
+    domain: Domain | None = None
+    choices: tuple[str, ...] = ()
+
+    def match(self, name: str) -> str | None:
+        """The item that `name` belongs to ("" outside a collection), or None when it is not of this field."""
+        found = re.fullmatch(re.escape(self.name).replace(r"\*", ITEM), name)
+        return None if found is None else found.groupdict().get("item", "")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A registered layout. `version` grows whenever a reader of the old one would be misled."""
+
+    name: str
+    version: int
+    doc: str
+    fields: tuple[Field, ...]
+
+    def field(self, name: str) -> tuple[Field, str]:
+        """The field that describes dataset `name`, and its item; SchemaError if there is none."""
+        for field in self.fields:
+            item = field.match(name)
+            if item is not None:
+                return field, item
+        raise SchemaError(f"{name}: not a field of '{self.name}'{nearest(name, (f.name for f in self.fields))}")
+
+
+def kind(name: str) -> Kind:
+    """The registered kind, or SchemaError with the nearest name."""
+    if name not in KINDS:
+        raise SchemaError(f"unknown kind of artefact '{name}'{nearest(name, KINDS)}")
+    return KINDS[name]
+
+
+def validate(kind: Kind, arrays: Mapping[str, np.ndarray]) -> None:
+    """Raise SchemaError unless `arrays` is a whole, consistent artefact of this kind."""
+    check_names(kind, arrays)
+    check_arrays(kind, arrays)
+
+
+def check_names(kind: Kind, names: Iterable[str]) -> None:
+    """Nothing unknown, nothing missing; every item of a collection has all that an item needs."""
+    found: dict[str, set[str]] = {"": set()}
+    for name in names:
+        field, item = kind.field(name)
+        found.setdefault(item, set()).add(field.name)
+    for item, present in found.items():
+        for field in kind.fields:
+            if bool(item) == ("*" in field.name) and not field.optional and field.name not in present:
+                raise SchemaError(f"{field.name.replace('*', item)}: missing from '{kind.name}'")
+
+
+def check_arrays(kind: Kind, arrays: Mapping[str, np.ndarray]) -> None:
+    """Dtype, shape and values of each array given, and the lengths they share; some may be left out."""
+    bound: dict[tuple[str, str], tuple[int, str]] = {}
+    for name, array in arrays.items():
+        field, item = kind.field(name)
+        _check_dtype(name, field, array)
+        _check_shape(name, field, array.shape, item, bound)
+        _check_values(name, field, array)
+
+
+def _check_dtype(name: str, field: Field, array: np.ndarray) -> None:
+    got = getattr(array, "dtype", None)
+    right = got is not None and (got.kind == "U" if field.dtype == "str" else got == np.dtype(field.dtype))
+    if not right:
+        raise SchemaError(f"{name}: wrong dtype (expected {field.dtype}, got {got or type(array).__name__})")
+
+
+def _check_shape(name: str, field: Field, got: tuple[int, ...], item: str, bound: dict) -> None:
+    if len(got) != len(field.dims):
+        raise SchemaError(f"{name}: wrong shape (expected {_dims(field)}, got {got})")
+    for dim, length in zip(field.dims, got, strict=True):
+        want, where = (dim, "the schema") if isinstance(dim, int) else bound.setdefault((item, dim), (length, name))
+        if want != length:
+            raise SchemaError(f"{name}: wrong shape (expected {_dims(field)} with {dim} = {want} as in {where}, got {got})")
+
+
+def _check_values(name: str, field: Field, array: np.ndarray) -> None:
+    if field.domain is not None:
+        outside = ~field.domain.holds(array)
+        if outside.any():
+            first = tuple(int(index) for index in np.argwhere(outside)[0])
+            got = f"{array[first]} at {first}, {int(outside.sum())} of {array.size} in all"
+            raise SchemaError(f"{name}: value not allowed (expected {field.domain.text}, got {got})")
+    for text in array.flat if field.dtype == "str" else ():
+        if "\0" in text or not _encodes(text):
+            raise SchemaError(f"{name}: text {text!r} holds characters that UTF-8 files cannot")
+        if field.choices and text not in field.choices:
+            raise SchemaError(f"{name}: value not allowed (expected one of {', '.join(field.choices)}, got '{text}')")
+
+
+def _encodes(text: str) -> bool:
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _dims(field: Field) -> str:
+    return f"({', '.join(map(str, field.dims))}{',' if len(field.dims) == 1 else ''})"
+
+
+def markdown() -> str:
+    """The whole of docs/formats.md."""
+    lines = [
+        "# Formats of the artefacts",
+        "",
+        "Generated from `ipcli/schema.py` by `python tools/make_formats.py`; do not edit by hand.",
+        "",
+        "Every artefact is an HDF5 file with the root attributes `ipcli_kind`, `ipcli_version` (integer), `provenance` (JSON) and",
+        "`ipcli_complete` = 1. Each dataset carries `units`, `dims`, `description` and `crc32` (of its bytes in C order; of text, of its",
+        "UTF-8 strings each followed by a zero byte). A file of a newer version, with unknown datasets, or with a dataset that breaks a",
+        "rule below is refused. A letter in a shape stands for the same length throughout (within one item where the name holds a `*`).",
+        "Text is UTF-8 of fixed length, padded with zeros. `cam_from_world` maps world points to camera points; cameras look along +z, x right, y down.",
+    ]
+    for kind in KINDS.values():
+        lines += ["", f"## `{kind.name}`, version {kind.version}", "", kind.doc, ""]
+        lines += ["| dataset | dtype | shape | units | meaning |", "|---|---|---|---|---|"]
+        lines += [_row(field) for field in kind.fields]
+    return "\n".join(lines) + "\n"
+
+
+def _row(field: Field) -> str:
+    rules = [field.domain.text] if field.domain else []
+    rules += [f"one of {', '.join(field.choices)}"] if field.choices else []
+    rules += ["optional"] if field.optional else []
+    meaning = field.doc + (f" ({'; '.join(rules)})" if rules else "")
+    return f"| `{field.name}` | {field.dtype} | {_dims(field)} | {field.units or '-'} | {meaning.replace('|', chr(92) + '|')} |"
+
+
+VIEWS = Kind(
+    "views",
+    1,
+    "Depth maps with cameras, each of its own size. The items in order of their names are the sequence.",
+    (
+        Field("views/*/depth", "float32", ("h", "w"), "unit", "Depth along the optical axis", domain=DISTANCE),
+        Field("views/*/intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE),
+        Field("views/*/cam_from_world", "float64", (4, 4), "unit", "Rigid pose, dst_from_src", domain=FINITE),
+        Field("views/*/confidence", "float32", ("h", "w"), "1", "Weight of each depth", optional=True, domain=WEIGHT),
+        Field("views/*/image", "uint8", ("h", "w", 3), "", "RGB", optional=True),
+        Field("views/*/truth", "float32", ("h", "w"), "unit", "True depth", optional=True, domain=DISTANCE),
+        Field("unit", "str", (), "", "Unit of length of the scene, such as `m`"),
+        Field("measured", "str", (), "", "Quantity whose noise is homogeneous", choices=("depth", "disparity")),
+        Field(
+            "baseline_focal",
+            "float64",
+            (),
+            "px*unit",
+            "disparity = baseline_focal / depth",
+            optional=True,
+            domain=Domain("finite, > 0", 0.0, closed=False),
+        ),
+    ),
+)
+
+DEPTH = Kind(
+    "depth",
+    1,
+    "The fused depth map of one camera, with what is needed to judge it.",
+    (
+        Field("depth", "float32", ("h", "w"), "unit", "Fused depth along the optical axis", domain=DISTANCE),
+        Field("confidence", "float32", ("h", "w"), "1", "Lambda of (4.3), relative to the noise scale", domain=WEIGHT),
+        Field("normals", "float32", ("h", "w", 3), "1", "Unit normals in the camera frame, facing the camera; NaN unknown"),
+        Field("observations", "uint16", ("h", "w"), "1", "Observations per pixel; 0: in-painted"),
+        Field("mean", "float32", ("h", "w"), "unit", "Mean of the same observations, a baseline", domain=DISTANCE),
+        Field("median", "float32", ("h", "w"), "unit", "Median of the same observations, a baseline", domain=DISTANCE),
+        Field("reference", "float32", ("h", "w"), "unit", "Depth of the reference view as given", domain=DISTANCE),
+        Field("intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE),
+        Field("cam_from_world", "float64", (4, 4), "unit", "Rigid pose, dst_from_src", domain=FINITE),
+        Field("image", "uint8", ("h", "w", 3), "", "RGB of the reference view", optional=True),
+        Field("truth", "float32", ("h", "w"), "unit", "True depth", optional=True, domain=DISTANCE),
+        Field("noise_scale", "float64", (), "unit, px or 1/unit", "Robust scale of the noise, in the domain", domain=WEIGHT),
+        Field("views", "str", ("k",), "", "Names of the fused views"),
+        Field("view_valid", "float64", ("k",), "1", "Share of the view's pixels that hold data"),
+        Field("view_overlap", "float64", ("k",), "1", "Share of the reference pixels that the view hits"),
+        Field("view_residual", "float64", ("k",), "unit", "Median of abs(d_k - fused); NaN without overlap"),
+        Field("thumbnails", "float32", ("k", "th", "tw"), "unit", "Reprojected observations, made small; NaN none"),
+        Field("history", "float64", ("n", 5), "1", "Columns: ACS round, iteration, energy, restricted gap (relative), merit"),
+        Field("unit", "str", (), "", "Unit of length of the scene, such as `m`"),
+        Field("domain", "str", (), "", "Quantity that was regularised", choices=("depth", "disparity", "inverse depth")),
+        Field("method", "str", (), "", "Algorithm and regulariser"),
+        Field("lambda", "float64", (), "1", "Weight of the data", domain=WEIGHT),
+        Field("metrics", "float64", ("m", "c"), "", "Error measures against `truth`; NaN undefined", optional=True),
+        Field("metric_rows", "str", ("m",), "", "Result that each row measures", optional=True),
+        Field("metric_columns", "str", ("c",), "", "Measure and unit of each column", optional=True),
+    ),
+)
+
+COMPARISON = Kind(
+    "comparison",
+    1,
+    "Error measures of several methods on several scenes.",
+    (
+        Field("scenes", "str", ("s",), "", "Name of each scene"),
+        Field("methods", "str", ("m",), "", "Name of each method"),
+        Field("columns", "str", ("c",), "", "Measure and unit of each column"),
+        Field("values", "float64", ("s", "m", "c"), "", "Measures; NaN undefined, or not run"),
+    ),
+)
+
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (VIEWS, DEPTH, COMPARISON)}

@@ -1,0 +1,195 @@
+"""fuse-depth: depth maps of several views -> one depth map of a reference camera with its confidence (thesis chapter 4)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ipcli.errors import NoSolution
+from ipcli.models.fusion.parameters import Fusion
+from ipcli.params import Run, option
+from ipcli.stages.sources import Source, open_source, source_files
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ipcli.geometry.cameras import Sequence as Views
+    from ipcli.geometry.cameras import View
+    from ipcli.models.fusion.fuse import Fused
+    from ipcli.stages.artefact import Outcome
+
+THUMBNAIL = 160  # pixels along the longer side
+LEAST_OVERLAP = 1e-3  # share of the reference a view other than it must reach to count as overlapping
+
+
+@dataclass(frozen=True)
+class Params:
+    """Which views to fuse into which, and how."""
+
+    reference: str | None = option(None, "View to fuse into; the middle one if not given.", flag="--reference")
+    camera: str | None = option(
+        None, "TOML file of a camera to fuse into instead; the reference is then but the middle of the window.", flag="--camera"
+    )
+    window: int = option(0, "Views to fuse around the reference; 0: all.", flag="--window", low=0)
+    domain: str = option(
+        "auto",
+        "Quantity to regularise; auto: the one whose noise is homogeneous. Planes are affine in disparity.",
+        flag="--domain",
+        choices=("auto", "depth", "disparity"),
+    )
+    fusion: Fusion = field(default_factory=Fusion)
+    source: Source = field(default_factory=Source)
+
+
+def run(
+    source: Path,
+    output: Path,
+    params: Params,
+    run: Run,
+    progress: Callable[[float, str], None] = lambda share, what: None,
+) -> Outcome:
+    """Write the fused map and beside it a mesh (.ply) and a report (.html). NoSolution if no view overlaps the reference."""
+    from ipcli.geometry.cameras import window
+    from ipcli.stages.artefact import Job, make
+
+    sequence = open_source(source, params.source)
+    reference = params.reference or sequence.names[(len(sequence.names) - 1) // 2]
+    names = window(sequence.names, reference, params.window or len(sequence.names))
+    inputs = source_files(sequence, names) + ((Path(params.camera),) if params.camera else ())
+    beside = {output.with_suffix(".ply"): write_mesh, output.with_suffix(".html"): write_report}
+
+    def build() -> dict[str, np.ndarray]:
+        return fused_artefact(sequence, names, reference, params, progress)
+
+    return make(Job(output, "depth", "fuse-depth", params, inputs, beside), build, run)
+
+
+def fused_artefact(
+    sequence: Views,
+    names: Sequence[str],
+    reference_name: str,
+    params: Params,
+    progress: Callable[[float, str], None],
+) -> dict[str, np.ndarray]:
+    """The arrays of the `depth` artefact."""
+    from ipcli.io import camera
+    from ipcli.models.fusion.fuse import fuse
+
+    views = {name: sequence.load(name) for name in names}
+    reference = camera.read(Path(params.camera)) if params.camera else views[reference_name]
+    domain = sequence.measured if params.domain == "auto" else params.domain
+    fused = fuse(list(views.values()), reference, params.fusion, inverse=domain == "disparity", progress=progress)
+    table = view_table(fused, views)
+    others = [name != reference.name for name in names]
+    if any(others) and not (table["view_overlap"][others] > LEAST_OVERLAP).any():
+        raise NoSolution(no_overlap(reference.name, table, sequence.unit))
+    progress(0.9, "writing")
+    return described(fused, reference, sequence, domain, params) | table | judged(fused, reference, sequence.baseline_focal)
+
+
+def described(fused: Fused, reference: View, sequence: Views, domain: str, params: Params) -> dict[str, np.ndarray]:
+    """The fused map, its camera and how it came to be."""
+    import numpy as np
+
+    from ipcli.geometry.surface import normals
+
+    in_pixels = domain == "disparity" and sequence.baseline_focal is not None
+    adaptive = f" ({params.fusion.algorithm})" if "adapt" in params.fusion.method else ""
+    arrays = {
+        "depth": fused.depth,
+        "confidence": fused.confidence,
+        "normals": normals(fused.depth, reference.intrinsics),
+        "observations": fused.observations,
+        "mean": fused.mean,
+        "median": fused.median,
+        "reference": reference.depth,
+        "intrinsics": reference.intrinsics,
+        "cam_from_world": reference.cam_from_world,
+        "noise_scale": np.float64(fused.noise_scale * (sequence.baseline_focal if in_pixels else 1.0)),
+        "history": fused.history,
+        "unit": np.array(sequence.unit),
+        "domain": np.array("inverse depth" if domain == "disparity" and not in_pixels else domain),
+        "method": np.array(params.fusion.method + adaptive),
+        "lambda": np.float64(fused.lam),
+    }
+    return arrays | ({} if reference.image is None else {"image": reference.image})
+
+
+def view_table(fused: Fused, views: Mapping[str, View]) -> dict[str, np.ndarray]:
+    """What each view gave: its valid share, the share of the reference it reached and how far it is from the fused map."""
+    import numpy as np
+
+    step = -(-max(fused.depth.shape) // THUMBNAIL)
+    hit = np.isfinite(fused.layers)
+    residual = np.abs(fused.layers - fused.depth)
+    return {
+        "views": np.array(list(views)),
+        "view_valid": np.array([np.isfinite(view.depth).mean() for view in views.values()]),
+        "view_overlap": hit.mean(axis=(1, 2)),
+        "view_residual": np.array([float(np.nanmedian(r)) if h.any() else np.nan for r, h in zip(residual, hit, strict=True)]),
+        "thumbnails": np.ascontiguousarray(fused.layers[:, step // 2 :: step, step // 2 :: step]),
+    }
+
+
+def judged(fused: Fused, reference: View, baseline_focal: float | None) -> dict[str, np.ndarray]:
+    """Errors of the reference view, mean, median and fused map, if the truth is known.
+
+    The fused map counts where something was observed, as the others do, and once more with what it in-painted.
+    """
+    if reference.truth is None:
+        return {}
+    import numpy as np
+
+    from ipcli.models.fusion.metrics import compare
+
+    observed = fused.observations > 0
+    maps = {"reference": reference.depth, "mean": fused.mean, "median": fused.median}
+    maps["fused"] = np.where(observed, fused.depth, np.nan).astype(np.float32)
+    if not observed.all():
+        maps["fused, in-painted"] = fused.depth
+    columns, rows = compare(maps, reference.truth, reference.intrinsics, baseline_focal)
+    return {"truth": reference.truth, "metrics": rows, "metric_rows": np.array(list(maps)), "metric_columns": np.array(columns)}
+
+
+def no_overlap(reference: str, table: Mapping[str, np.ndarray], unit: str) -> str:
+    """Why nothing could be fused, view by view."""
+    views = zip(table["views"], table["view_valid"], table["view_overlap"], strict=True)
+    each = "; ".join(f"{name}: {100 * valid:.0f} % valid, reaches {100 * overlap:.1f} %" for name, valid, overlap in views)
+    return (
+        f"no view overlaps the reference view {reference!r} ({each}). Check the direction of the poses and that depth and "
+        f"translation are both in {unit}"
+    )
+
+
+def write_mesh(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """The surface in world coordinates with normals, colours, confidence and observations; only where there were observations."""
+    import numpy as np
+
+    from ipcli.geometry.cameras import back_project, transform
+    from ipcli.geometry.surface import triangulate
+    from ipcli.io import ply
+
+    world_from_cam = np.linalg.inv(arrays["cam_from_world"])
+    keep = (arrays["observations"] > 0) & np.isfinite(arrays["depth"]) & np.isfinite(arrays["normals"]).all(axis=-1)
+    pixels, faces = triangulate(arrays["depth"], keep)
+    points = transform(world_from_cam, back_project(arrays["depth"], arrays["intrinsics"]).reshape(-1, 3)[pixels])
+    normals = arrays["normals"].reshape(-1, 3)[pixels] @ world_from_cam[:3, :3].T
+    ply.write(
+        path,
+        points.astype(np.float32),
+        faces=faces,
+        normals=normals.astype(np.float32),
+        colors=arrays["image"].reshape(-1, 3)[pixels] if "image" in arrays else None,
+        extra={name: arrays[name].ravel()[pixels] for name in ("confidence", "observations")},
+        comments=(f"ipcli fuse-depth, unit {arrays['unit']}, digest {provenance['digest']}",),
+    )
+
+
+def write_report(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """The page to look at."""
+    from ipcli.io import atomic
+    from ipcli.report import fuse_depth
+
+    atomic.write_text(path, fuse_depth.page(arrays, provenance))

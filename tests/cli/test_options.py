@@ -1,0 +1,79 @@
+"""Progress on a terminal and in a log, and results as text and JSON."""
+
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipcli.cli import options
+from ipcli.params import Run
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def screen(text):
+    """What is left to see of one line with carriage returns."""
+    line = ""
+    for part in text.split("\r"):
+        line = part + line[len(part) :]
+    return line.rstrip()
+
+
+def test_a_terminal_shows_one_bar_that_leaves_no_trace():
+    stream = Terminal()
+    tell = options.Teller("fuse", stream)
+    tell(0.25, "a long name")
+    assert screen(stream.getvalue()) == "fuse [##########..............................]  25% a long name"
+    tell(1.0, "b")
+    assert screen(stream.getvalue()) == "fuse [########################################] 100% b"
+    tell.close()
+    assert screen(stream.getvalue()) == ""
+    assert "\n" not in stream.getvalue()
+
+
+def test_a_log_gets_a_line_every_30_seconds():
+    stream, now = io.StringIO(), [0.0]
+    tell = options.Teller("fuse", stream, clock=lambda: now[0])
+    for second in range(100):
+        now[0] = float(second)
+        tell(second / 100, f"view {second}")
+    tell.close()
+    assert stream.getvalue() == "fuse: 30% view 30\nfuse: 60% view 60\nfuse: 90% view 90\n"
+
+
+@pytest.mark.parametrize("stream", [Terminal(), io.StringIO()])
+def test_quiet_says_nothing(stream):
+    tell = options.Teller("fuse", stream, quiet=True, clock=iter(range(0, 1000, 100)).__next__)
+    tell(0.5, "a")
+    tell.close()
+    assert stream.getvalue() == ""
+
+
+def test_progress_goes_to_stderr_and_is_cleared_after_an_error(capsys, monkeypatch):
+    monkeypatch.setattr("sys.stderr", Terminal())
+    import sys
+
+    with pytest.raises(ZeroDivisionError), options.progress("fuse", Run()) as tell:
+        tell(0.5, "a")
+        raise ZeroDivisionError
+    assert "50%" in sys.stderr.getvalue()
+    assert screen(sys.stderr.getvalue()) == ""
+    assert capsys.readouterr().out == ""
+
+
+def test_json_is_strict_whatever_numbers_come(capsys):
+    result = {"output": Path("a/b.h5"), "rmse": np.float32(0.5), "none": float("nan"), "k": np.arange(2), "views": [{"share": np.inf}]}
+    options.conclude(result, Run(json=True))
+    expected = {"output": "a/b.h5", "rmse": 0.5, "none": None, "k": [0, 1], "views": [{"share": None}]}
+    assert json.loads(capsys.readouterr().out, parse_constant=pytest.fail) == expected
+
+
+def test_text_is_the_output_or_each_fact(capsys):
+    options.conclude({"output": Path("a.h5"), "rmse": 1.0}, Run())
+    options.conclude({"rmse": 1.0, "views": 3}, Run())
+    assert capsys.readouterr().out == "a.h5\nrmse: 1.0\nviews: 3\n"

@@ -1,0 +1,36 @@
+"""Prior confidences of surfaces and images whose answer is known."""
+
+import numpy as np
+import pytest
+
+from ipcli.geometry.cameras import rays
+from ipcli.models.fusion.confidence import LEAST, image_edges, view_angle
+from tests.fusion_scenes import camera
+
+K = camera((40, 50))
+
+
+def plane_depth(normal):
+    return (2.0 / (rays((40, 50), K) @ normal)).astype(np.float32)
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1.0), (0.5, -0.2, 1.0)])
+def test_view_angle_is_the_cosine_between_the_normal_of_a_plane_and_the_ray(normal):
+    directions = rays((40, 50), K)
+    cosine = directions @ normal / np.linalg.norm(directions, axis=-1) / np.linalg.norm(normal)
+    np.testing.assert_allclose(view_angle(plane_depth(normal), K), np.abs(cosine), atol=1e-3)
+
+
+def test_view_angle_never_cuts_a_pixel_off():
+    depth = plane_depth((0, 0, 1.0))
+    depth[10:20, 10:20] = np.nan
+    least = view_angle(depth, K)
+    assert np.isfinite(least).all() and least.min() == np.float32(LEAST)
+
+
+def test_image_edges_are_1_on_even_areas_and_rise_to_the_gain_at_the_strongest_edge():
+    image = np.zeros((40, 50, 3), np.uint8)
+    image[:, 25:] = 200
+    confidence = image_edges(image, gain=3.0, power=2.0, blur=0.0)
+    assert (confidence[:, :20] == 1).all() and confidence[:, 24:26] == pytest.approx(4) and confidence.max() <= 4
+    assert (image_edges(np.full_like(image, 77), 3.0, 1.0, 1.0) == 1).all()

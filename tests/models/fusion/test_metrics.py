@@ -1,0 +1,103 @@
+"""Error figures by hand, and the background interpolation against the loops of the KITTI development kit."""
+
+import hypothesis.extra.numpy as nps
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from ipcli.models.fusion.metrics import compare, depth_errors, disparity_errors, interpolate_background, normal_error
+from tests.fusion_scenes import camera
+
+
+def test_depth_errors_of_four_pixels_by_hand():
+    truth = np.full((2, 3), 2.0)
+    depth = truth + [[1, -1, 3], [1, 99, np.nan]]
+    where = np.array([[True, True, True], [True, False, False]])
+    rmse, mae, centred, z_mae = depth_errors(depth, truth, where)
+    assert rmse == pytest.approx(np.sqrt(12 / 4)) and mae == pytest.approx(6 / 4)
+    assert centred == pytest.approx(np.sqrt((0 + 4 + 4 + 0) / 4))  # about the mean error 1
+    assert z_mae == pytest.approx((0 + 2 + 2 + 0) / 4)  # about the median error 1
+    assert np.isnan(depth_errors(depth, truth, where & False)).all()
+
+
+def test_normal_errors_are_angles_and_a_missing_normal_counts_a_right_one():
+    true_n = np.tile([0.0, 0, -1], (1, 4, 1))
+    n = np.array([[[0, 0, -1], [0, np.sin(0.3), -np.cos(0.3)], [np.nan] * 3, [1, 0, 0]]])
+    true_n[0, 3] = np.nan
+    everywhere = np.ones((1, 4), bool)
+    assert normal_error(n, true_n, everywhere) == pytest.approx((0 + 0.3 + np.pi / 2) / 3)
+    assert np.isnan(normal_error(n, true_n, ~everywhere))
+
+
+def test_disparity_errors_count_what_is_off_by_more_than_three_pixels():
+    truth = np.array([[10.0, 10, 10, 10, np.nan]])
+    disparity = np.array([[10.0, 13, 13.5, np.nan, 20]])  # the gap is filled with 13.5
+    assert disparity_errors(disparity, truth) == pytest.approx([50.0, (0 + 3 + 3.5 + 3.5) / 4])
+
+
+def test_maps_are_compared_where_all_have_a_value_but_their_density_is_their_own():
+    truth = np.full((5, 6), 2.0, np.float32)
+    dense, sparse = truth + np.float32(0.5), truth.copy()
+    dense[4, 5], sparse[:, :3] = 9.0, np.nan
+    truth[4, 5] = np.nan
+    columns, rows = compare({"dense": dense, "sparse": sparse}, truth, camera((5, 6)), baseline_focal=30.0)
+    assert columns[0] == "density %" and columns[-2:] == ["out-3 %", "D-avg px"]
+    np.testing.assert_allclose(rows[0, :5], [100, 0.5, 0.5, 0, 0], atol=1e-6)
+    np.testing.assert_allclose(rows[1, :5], [100 * 14 / 29, 0, 0, 0, 0], atol=1e-6)
+    np.testing.assert_allclose(rows[:, -2:], [[0, 3], [0, 0]], atol=1e-5)  # 30 / 2 - 30 / 2.5 = 3 is not more than 3
+    assert compare({"dense": dense}, truth, camera((5, 6)), None)[1].shape == (1, 6)
+
+
+def development_kit(disparity):
+    """interpolateBackground of the KITTI stereo development kit, loop by loop; -1 stands for invalid there."""
+    d = np.where(np.isfinite(disparity), disparity, -1)
+    height, width = d.shape
+    for v in range(height):
+        count = 0
+        for u in range(width):
+            if d[v, u] < 0:
+                count += 1
+                continue
+            if count >= 1:
+                u1, u2 = u - count, u - 1
+                if u1 > 0 and u2 < width - 1:
+                    d[v, u1 : u2 + 1] = min(d[v, u1 - 1], d[v, u2 + 1])
+            count = 0
+        for u in range(width):  # extrapolate to the left
+            if d[v, u] >= 0:
+                d[v, :u] = d[v, u]
+                break
+        for u in reversed(range(width)):  # and to the right
+            if d[v, u] >= 0:
+                d[v, u + 1 :] = d[v, u]
+                break
+    for u in range(width):
+        for v in range(height):  # to the top
+            if d[v, u] >= 0:
+                d[:v, u] = d[v, u]
+                break
+        for v in reversed(range(height)):  # and to the bottom
+            if d[v, u] >= 0:
+                d[v + 1 :, u] = d[v, u]
+                break
+    return np.where(d < 0, np.nan, d)
+
+
+maps = nps.arrays(np.float32, nps.array_shapes(min_dims=2, max_dims=2, max_side=7), elements=st.integers(0, 9) | st.just(np.nan))
+
+
+@given(maps)
+def test_background_interpolation_is_that_of_the_kitti_development_kit(disparity):
+    assume(np.isfinite(disparity).any())
+    filled, kit = interpolate_background(disparity), development_kit(disparity)
+    reached = np.isfinite(kit)  # the kit leaves empty rows between full ones
+    np.testing.assert_array_equal(filled[reached], kit[reached])
+    assert np.isfinite(filled).all()
+    empty = ~reached.any(axis=1)
+    for row in np.flatnonzero(empty):  # here they take the row above
+        np.testing.assert_array_equal(filled[row], filled[row - 1])
+
+
+def test_nothing_stays_nothing():
+    assert np.isnan(interpolate_background(np.full((3, 4), np.nan))).all()

@@ -1,0 +1,130 @@
+"""Each rule of the schema, broken one at a time on an artefact generated from the schema."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+from ipcli import schema
+from tests.artefacts import artefacts
+
+KINDS = list(schema.KINDS.values())
+
+
+def example(kind):
+    """A sound artefact with every optional field."""
+    lengths = {"h": 2, "w": 3, "k": 2, "th": 1, "tw": 1, "n": 4, "m": 2, "c": 3, "s": 2}
+    arrays = {}
+    for field in kind.fields:
+        shape = tuple(dim if isinstance(dim, int) else lengths[dim] for dim in field.dims)
+        one = np.array((field.choices or ("text",))[0]) if field.dtype == "str" else np.ones((), field.dtype)
+        arrays[field.name.replace("*", "a")] = np.full(shape, one)
+    return arrays
+
+
+CASES = [(kind, name) for kind in KINDS for name in example(kind)]
+IDS = [f"{kind.name}-{name}" for kind, name in CASES]
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_every_generated_artefact_is_valid(kind):
+    @given(artefacts(kind))
+    def valid(arrays):
+        schema.validate(kind, arrays)
+
+    valid()
+
+
+@pytest.mark.parametrize(("kind", "name"), CASES, ids=IDS)
+def test_a_missing_field_is_named_unless_optional(kind, name):
+    arrays = example(kind)
+    del arrays[name]
+    if kind.field(name)[0].optional:
+        schema.validate(kind, arrays)
+    else:
+        with pytest.raises(schema.SchemaError, match=f"^{name}: missing"):
+            schema.validate(kind, arrays)
+
+
+@pytest.mark.parametrize(("kind", "name"), CASES, ids=IDS)
+def test_a_wrong_dtype_is_named_with_the_right_one(kind, name):
+    arrays = example(kind)
+    arrays[name] = np.zeros(arrays[name].shape, np.complex64)
+    with pytest.raises(schema.SchemaError, match=f"{name}: wrong dtype .expected {kind.field(name)[0].dtype}, got complex64"):
+        schema.validate(kind, arrays)
+
+
+@pytest.mark.parametrize(("kind", "name"), CASES, ids=IDS)
+def test_one_dimension_more_is_refused(kind, name):
+    arrays = example(kind)
+    arrays[name] = arrays[name][None]
+    with pytest.raises(schema.SchemaError, match=f"^{name}: wrong shape"):
+        schema.validate(kind, arrays)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_lengths_that_disagree_name_the_other_field(kind):
+    arrays = example(kind)
+    first, other, dim = {
+        "views": ("views/a/depth", "views/a/confidence", "w"),
+        "depth": ("depth", "confidence", "w"),
+        "comparison": ("methods", "values", "m"),
+    }[kind.name]
+    axis = kind.field(other)[0].dims.index(dim)
+    length = arrays[first].shape[-1]
+    arrays[other] = np.repeat(arrays[other], 2, axis=axis)
+    with pytest.raises(schema.SchemaError, match=f"{other}: wrong shape .*{dim} = {length} as in {first}, got "):
+        schema.validate(kind, arrays)
+
+
+def test_items_of_a_collection_have_sizes_of_their_own():
+    arrays = example(schema.VIEWS)
+    arrays |= {name.replace("/a/", "/b/"): array for name, array in arrays.items() if "/a/" in name}
+    for field in ("depth", "confidence", "truth"):
+        arrays[f"views/b/{field}"] = np.ones((5, 7), np.float32)
+    arrays["views/b/image"] = np.ones((5, 7, 3), np.uint8)
+    schema.validate(schema.VIEWS, arrays)
+    del arrays["views/b/intrinsics"]
+    with pytest.raises(schema.SchemaError, match="^views/b/intrinsics: missing"):
+        schema.validate(schema.VIEWS, arrays)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, np.inf, -np.inf])
+def test_depth_is_positive_or_unknown(value):
+    arrays = example(schema.VIEWS)
+    arrays["views/a/depth"][1, 0] = np.nan
+    schema.validate(schema.VIEWS, arrays)
+    arrays["views/a/depth"][1, 2] = value
+    with pytest.raises(schema.SchemaError, match=r"views/a/depth: value not allowed .*at \(1, 2\), 1 of 6"):
+        schema.validate(schema.VIEWS, arrays)
+
+
+def test_confidence_may_be_zero_but_not_unknown():
+    arrays = example(schema.VIEWS)
+    arrays["views/a/confidence"][:] = 0
+    schema.validate(schema.VIEWS, arrays)
+    arrays["views/a/confidence"][0, 0] = np.nan
+    with pytest.raises(schema.SchemaError, match="confidence: value not allowed"):
+        schema.validate(schema.VIEWS, arrays)
+
+
+@pytest.mark.parametrize(("text", "message"), [("distance", "one of depth, disparity"), ("a\0b", "UTF-8"), ("\ud800", "UTF-8")])
+def test_text_is_one_of_the_choices_and_can_be_stored(text, message):
+    with pytest.raises(schema.SchemaError, match=message):
+        schema.validate(schema.VIEWS, example(schema.VIEWS) | {"measured": np.array(text)})
+
+
+@pytest.mark.parametrize("name", ["dept", "views/a/deph", "views//depth", "views/.a/depth", "views/a/b/depth", "extra"])
+def test_an_unknown_field_is_refused_with_a_suggestion(name):
+    with pytest.raises(schema.SchemaError, match="not a field of 'views'; did you mean '"):
+        schema.validate(schema.VIEWS, example(schema.VIEWS) | {name: np.zeros(1)})
+
+
+def test_an_unknown_kind_names_the_nearest():
+    with pytest.raises(schema.SchemaError, match="'deth'; did you mean 'depth'"):
+        schema.kind("deth")
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_no_dataset_name_fits_two_fields(kind):
+    for name in example(kind):
+        assert sum(field.match(name) is not None for field in kind.fields) == 1
