@@ -177,10 +177,10 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--pixels", type=float, nargs="+", help="sizes in Mpx; 0.3 1 3 12")
     parser.add_argument("--observations", type=int, nargs="+", help="numbers of views; 3 11 21 41")
-    parser.add_argument("--quick", action="store_true", help="0.1 0.3 1 Mpx and 3 11 views unless given otherwise; under a minute")
+    parser.add_argument("--quick", action="store_true", help="0.1 0.3 Mpx and 3 11 views unless given otherwise; about half a minute")
     parser.add_argument("--output", type=Path, default=OUTPUT, help="folder for the tables")
     options = parser.parse_args(arguments)
-    options.pixels = tuple(options.pixels or ((0.1, 0.3, 1.0) if options.quick else PIXELS))
+    options.pixels = tuple(options.pixels or ((0.1, 0.3) if options.quick else PIXELS))
     options.observations = tuple(options.observations or ((3, 11) if options.quick else OBSERVATIONS))
     return options
 

@@ -70,6 +70,7 @@ def test_the_comparison_of_solvers_has_all_its_rows(tmp_path):
     assert all(f"| {name} |" in (tmp_path / "fusion_solver.md").read_text() for name in here)
 
 
+@pytest.mark.slow
 def test_the_growth_has_all_its_rows(tmp_path):
     fusion_scaling.main(["--pixels", "0.003", "0.006", "--observations", "3", "--output", str(tmp_path)])
     cases, growth, bandwidth = json.loads((tmp_path / "fusion_scaling.json").read_text())["tables"].values()
