@@ -1,4 +1,4 @@
-"""What a user might take instead: median, ROF on the median, a TSDF volume; seconds from views to depth map, and the error.
+"""What a user might take instead: median, ROF on the median, a TSDF volume; seconds and error of the depth map.
 
 The parameter of each is the best one of a declared grid, by the error against the truth; ours stands at its defaults.
 """
@@ -63,7 +63,9 @@ def tsdf(scene: Scene, setting: tuple[float, float, float]) -> np.ndarray:
     voxels, truncation, weight = setting
     voxel = voxels * float(np.nanmedian(reference.depth)) / reference.intrinsics[0, 0]
     kinds = (o3d.core.float32, o3d.core.float32)
-    grid = o3d.t.geometry.VoxelBlockGrid(("tsdf", "weight"), kinds, ((1,), (1,)), voxel, 16, 50_000, o3d.core.Device("CPU:0"))
+    grid = o3d.t.geometry.VoxelBlockGrid(
+        ("tsdf", "weight"), kinds, ((1,), (1,)), voxel, 16, 50_000, o3d.core.Device("CPU:0")
+    )
     for view in scene.views:
         image = o3d.t.geometry.Image(np.nan_to_num(view.depth))
         camera = (o3d.core.Tensor(view.intrinsics), o3d.core.Tensor(view.cam_from_world))
@@ -124,7 +126,10 @@ def _rows(maps: dict, runs: dict, truth: np.ndarray | None) -> list[dict[str, An
     full = {key: depth for key, depth in maps.items() if np.isfinite(depth).mean() > 0.5}
     everywhere = np.isfinite(truth) & np.isfinite(np.stack(list(full.values()))).all(axis=0)
     error = {key: float(np.abs(depth - truth)[everywhere].mean()) for key, depth in full.items()}
-    best = [min((key for key in error if key[0] == name), key=error.get) for name in dict.fromkeys(name for name, _ in error)]
+    best = [
+        min((key for key in error if key[0] == name), key=error.get)
+        for name in dict.fromkeys(name for name, _ in error)
+    ]
     return [
         {
             "method": name,

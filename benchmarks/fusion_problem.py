@@ -1,4 +1,4 @@
-"""The problem that all solvers of a benchmark are given, TGV2(x) + lambda sum_k |x - d_k|, and the one energy they are judged by."""
+"""The problem all solvers are given, TGV2(x) + lambda sum_k |x - d_k|, and the one energy they are judged by."""
 
 from __future__ import annotations
 
@@ -87,8 +87,10 @@ class Scene:
     name: str
 
 
-def open_scene(views: str | None = None, reference: str | None = None, count: int = 11, shape: tuple[int, int] = (480, 640)) -> Scene:
-    """`count` views of a `views` artefact around a reference (the middle one if not given); generated ones without an artefact."""
+def open_scene(
+    views: str | None = None, reference: str | None = None, count: int = 11, shape: tuple[int, int] = (480, 640)
+) -> Scene:
+    """`count` views of a `views` artefact around a reference, the middle one if not given; without one, generated."""
     if views is None:
         made = scene.views(count, tuple(shape))
         return Scene(made, made[count // 2], False, f"generated, {shape[1]} x {shape[0]}, K = {count}")

@@ -1,4 +1,4 @@
-"""How time and memory of the fusion grow with pixels, observations and threads, beside the memory bandwidth of the machine.
+"""How time and memory of the fusion grow with pixels, observations and threads, beside the memory bandwidth.
 
     python -m benchmarks.fusion_scaling [--quick]
 
@@ -91,10 +91,16 @@ def fusion(shape: tuple[int, int], count: int) -> dict[str, float]:
     fuse(warm, warm[count // 2], Fusion(), inverse=False)
     views = scene.views(count, tuple(shape))
     before = forget_peak()
-    started = time.perf_counter()
+    started, started_cpu = time.perf_counter(), time.process_time()
     fused = fuse(views, views[count // 2], Fusion(), inverse=False)
-    seconds = time.perf_counter() - started
-    return {"seconds": seconds, "iterations": float(fused.history[-1, 1]), "memory": peak_memory() - before, "all": peak_memory()}
+    seconds, cpu = time.perf_counter() - started, time.process_time() - started_cpu
+    return {
+        "seconds": seconds,
+        "cpu": cpu,
+        "iterations": float(fused.history[-1, 1]),
+        "memory": peak_memory() - before,
+        "all": peak_memory(),
+    }
 
 
 def shape_of(megapixels: float) -> tuple[int, int]:
@@ -103,7 +109,9 @@ def shape_of(megapixels: float) -> tuple[int, int]:
     return height, round(height * ASPECT)
 
 
-def cases(pixels: tuple[float, ...], observations: tuple[int, ...], middle: tuple[float, int]) -> list[tuple[float, int]]:
+def cases(
+    pixels: tuple[float, ...], observations: tuple[int, ...], middle: tuple[float, int]
+) -> list[tuple[float, int]]:
     """(Mpx, K) along both axes through the middle."""
     return sorted({(size, middle[1]) for size in pixels} | {(middle[0], k) for k in observations})
 
@@ -120,7 +128,12 @@ def measured(megapixels: float, count: int, threads: int) -> dict[str, Any]:
         return row | {"failed": str(error)}
     numbers = megapixels * 1e6 * count
     row |= {"ms / iteration": one["ms"], "ns / observation": 1e6 * one["ms"] / numbers, "iteration MB": one["memory"]}
-    row |= {"fusion s": whole["seconds"], "fine iterations": whole["iterations"], "fusion MB": whole["memory"]}
+    row |= {
+        "fusion s": whole["seconds"],
+        "fusion CPU s": whole["cpu"],
+        "fine iterations": whole["iterations"],
+        "fusion MB": whole["memory"],
+    }
     return row | {"bytes / observation": 1e6 * whole["memory"] / numbers, "peak RSS MB": whole["all"]}
 
 
@@ -128,7 +141,7 @@ QUANTITIES = ("ms / iteration", "fusion s", "fusion MB", "peak RSS MB")
 
 
 def exponents(rows: list[dict[str, Any]], middle: tuple[float, int]) -> list[dict[str, Any]]:
-    """Slopes of log quantity against log size by least squares: against pixels K over all cases, and along each axis."""
+    """Slopes of log quantity against log size by least squares: against pixels x K, and along each axis."""
     done = [row for row in rows if "failed" not in row]
     axes = {
         "pixels x K": (lambda row: row["Mpx"] * row["K"], lambda row: True),
@@ -139,7 +152,10 @@ def exponents(rows: list[dict[str, Any]], middle: tuple[float, int]) -> list[dic
     for threads in sorted({row["threads"] for row in done}):
         for axis, (size, belongs) in axes.items():
             of_axis = [row for row in done if row["threads"] == threads and belongs(row)]
-            slopes = {quantity: _slope([size(row) for row in of_axis], [row[quantity] for row in of_axis]) for quantity in QUANTITIES}
+            slopes = {
+                quantity: _slope([size(row) for row in of_axis], [row[quantity] for row in of_axis])
+                for quantity in QUANTITIES
+            }
             table.append({"threads": threads, "exponent against": axis} | slopes)
     return table
 
@@ -151,23 +167,31 @@ def _slope(sizes: list[float], values: list[float]) -> float | None:
 
 
 def bandwidth(rows: list[dict[str, Any]], speeds: dict[int, float]) -> list[dict[str, Any]]:
-    """The triad beside what an iteration would move if every array passed once: 2 x (x, v, p, q), x_bar, v_bar, y and the data."""
+    """The triad beside what an iteration moves: x, v, p, q, x_bar, v_bar, y read and written once, the data read."""
     table = []
     for threads, speed in speeds.items():
         own = [row for row in rows if row["threads"] == threads and "failed" not in row]
-        moved = [4e6 * row["Mpx"] * (2 * 8 + 2 * (1 + 2 + 1) + 2 + row["K"]) / (1e-3 * row["ms / iteration"]) / 1e9 for row in own]
+        moved = [4e6 * row["Mpx"] * (2 * (8 + 4) + 2 + row["K"]) / (1e-3 * row["ms / iteration"]) / 1e9 for row in own]
         row = {"threads": threads, "STREAM triad GB/s": speed}
-        table.append(row | {"iteration GB/s, median": float(np.median(moved)) if moved else None, "least": min(moved, default=None)})
+        table.append(
+            row
+            | {"iteration GB/s, median": float(np.median(moved)) if moved else None, "least": min(moved, default=None)}
+        )
     return table
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Measure, write, print."""
     options = parse(arguments)
-    middle = (min(options.pixels, key=lambda size: abs(size - MIDDLE[0])), min(options.observations, key=lambda k: abs(k - MIDDLE[1])))
+    middle = (
+        min(options.pixels, key=lambda size: abs(size - MIDDLE[0])),
+        min(options.observations, key=lambda k: abs(k - MIDDLE[1])),
+    )
     say("STREAM triad")
     speeds = {threads: isolated("benchmarks.fusion_scaling:triad", threads, threads=threads) for threads in THREADS}
-    rows = [measured(*case, threads) for case in cases(options.pixels, options.observations, middle) for threads in THREADS]
+    rows = [
+        measured(*case, threads) for case in cases(options.pixels, options.observations, middle) for threads in THREADS
+    ]
     tables = {"Cases": rows, "Growth": exponents(rows, middle), "Bandwidth": bandwidth(rows, speeds)}
     publish("fusion_scaling", "Fusion: growth of time and memory", tables, {}, options.output)
 
@@ -177,7 +201,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--pixels", type=float, nargs="+", help="sizes in Mpx; 0.3 1 3 12")
     parser.add_argument("--observations", type=int, nargs="+", help="numbers of views; 3 11 21 41")
-    parser.add_argument("--quick", action="store_true", help="0.1 0.3 Mpx and 3 11 views unless given otherwise; about half a minute")
+    parser.add_argument(
+        "--quick", action="store_true", help="0.1 0.3 Mpx and 3 11 views unless given otherwise; about half a minute"
+    )
     parser.add_argument("--output", type=Path, default=OUTPUT, help="folder for the tables")
     options = parser.parse_args(arguments)
     options.pixels = tuple(options.pixels or ((0.1, 0.3) if options.quick else PIXELS))

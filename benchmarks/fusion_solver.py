@@ -2,7 +2,7 @@
 
     python -m benchmarks.fusion_solver [--views FILE.h5] [--quick]
 
-Each solver minimises the same energy from the same start, in a process of its own; see README.md for what the tables say.
+Each solver minimises the same energy from the same start, in its own process; see README.md for what the tables say.
 """
 
 from __future__ import annotations
@@ -20,7 +20,31 @@ from benchmarks.fusion_problem import Problem, open_scene, pose
 from benchmarks.fusion_solvers import NEEDS, RATIOS, SOLVERS
 from benchmarks.measure import OUTPUT, Clock, forget_peak, isolated, peak_memory, publish, say
 
-LOOKS = [10, 20, 30, 40, 50, 70, 100, 130, 160, 200, 250, 300, 400, 500, 600, 700, 850, 1000, 1300, 1600, 2000, 2500, 3000]
+LOOKS = [
+    10,
+    20,
+    30,
+    40,
+    50,
+    70,
+    100,
+    130,
+    160,
+    200,
+    250,
+    300,
+    400,
+    500,
+    600,
+    700,
+    850,
+    1000,
+    1300,
+    1600,
+    2000,
+    2500,
+    3000,
+]
 SHOWN = (100, 300, 1000)  # iterations
 TARGETS = (1e-2, 1e-3)  # relative energy gaps
 TUNING = {"size": 160, "iterations": 300}  # the crop on which a step ratio is chosen, and for how many iterations
@@ -48,18 +72,19 @@ def best_ratio(path: str, solver: str, size: int, iterations: int) -> float:
 
 
 def solve(path: str, solver: str, ratio: float | None, iterations: int) -> dict[str, Any]:
-    """Iterations, seconds and energy at each look, and peak memory of set-up and iterations above that of the data, in MB."""
+    """Iterations, seconds and energy at each look, and peak memory above that of the data, in MB."""
     problem = Problem.load(Path(path))
     SOLVERS[solver](problem.crop(64), ratio or 1.0).run(20)  # compiles, imports
     before = forget_peak()
     at_work, clock, done, curve = SOLVERS[solver](problem, ratio), Clock(), 0, []
+    peaks = []  # the first is the one that holds: afterwards the energy has taken memory of its own
     for look in [look for look in LOOKS if look <= iterations]:
         with clock:
             at_work.run(look - done)
-        memory = memory if curve else peak_memory() - before  # before the energy takes its own
+        peaks.append(peak_memory() - before)
         curve.append((look, clock.last / (look - done), clock.total, problem.energy(*at_work.solution())))
         done = look
-    return {"curve": curve, "memory": memory}
+    return {"curve": curve, "memory": peaks[0]}
 
 
 def reference(path: str, iterations: int) -> dict[str, float]:
@@ -77,7 +102,7 @@ def reference(path: str, iterations: int) -> dict[str, float]:
 
 
 def certified(path: str, tolerance: float) -> dict[str, float]:
-    """Iterations and seconds, looks included, until the restricted gap is small enough, from the coarse-to-fine start."""
+    """Iterations and seconds, looks included, from the coarse-to-fine start to a small restricted gap."""
     from dataclasses import replace
 
     from ipcli.inverse.regularize import tgv
@@ -115,7 +140,9 @@ def race(path: Path, iterations: int) -> dict[str, dict[str, Any]]:
         say(name)
         if solver not in ratios:
             tuning = TUNING | {"iterations": min(TUNING["iterations"], iterations)}
-            ratios[solver] = isolated("benchmarks.fusion_solver:best_ratio", threads, path=str(path), solver=solver, **tuning)
+            ratios[solver] = isolated(
+                "benchmarks.fusion_solver:best_ratio", threads, path=str(path), solver=solver, **tuning
+            )
         settings = {"path": str(path), "solver": solver, "ratio": ratios[solver], "iterations": iterations}
         runs[name] = isolated("benchmarks.fusion_solver:solve", threads, **settings) | {"ratio": ratios[solver]}
     return runs
@@ -134,7 +161,10 @@ def _row(name: str, run: dict[str, Any], lowest: float, ours: float) -> dict[str
     row |= {f"gap at {look}": next((gap for n, _, gap in curve if n == look), None) for look in SHOWN}
     for target in TARGETS:
         n, seconds = _reached(curve, target)
-        row |= {f"iterations to {target:g}": n or f"> {curve[-1][0]}", f"s to {target:g}": seconds or f"> {curve[-1][1]:.3g}"}
+        row |= {
+            f"iterations to {target:g}": n or f"> {curve[-1][0]}",
+            f"s to {target:g}": seconds or f"> {curve[-1][1]:.3g}",
+        }
     return row | {"peak MB": run["memory"]}
 
 
@@ -189,7 +219,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--views", type=Path, help="a views artefact in place of the generated scene")
     parser.add_argument("--reference", help="its reference view; the middle one if not given")
     parser.add_argument("--count", type=int, default=11, help="views to fuse")
-    parser.add_argument("--size", type=int, nargs=2, metavar=("WIDTH", "HEIGHT"), help="of the generated views; 640 480")
+    parser.add_argument(
+        "--size", type=int, nargs=2, metavar=("WIDTH", "HEIGHT"), help="of the generated views; 640 480"
+    )
     parser.add_argument("--iterations", type=int, help="of each solver; 1000")
     parser.add_argument("--quick", action="store_true", help="320 240 and 300 unless given otherwise")
     parser.add_argument("--output", type=Path, default=OUTPUT, help="folder for the tables")

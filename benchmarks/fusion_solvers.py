@@ -1,9 +1,9 @@
-"""The solvers side by side. Each is made for a problem and a step ratio, runs on for some iterations, and shows its x and v.
+"""The solvers. Each is made for a problem and a step ratio, runs on for some iterations, and shows its x and v.
 
-The step ratio w gives tau = 0.99 / (L w) and sigma = 0.99 w / L for the norm L of its operator; w is looked for on `RATIOS`.
-All compute in float32.
+The step ratio w gives tau = 0.99 / (L w) and sigma = 0.99 w / L for the norm L of its operator;
+w is looked for on `RATIOS`. All compute in float32.
 
-The K data terms can be dualised, one image each, as the thesis does and as anyone does who has no proximal map of their sum
+The K data terms can be dualised, one image each, as by the thesis and by anyone without a proximal map of their sum
 (L^2 = 12 + K), or stay in the primal step by that map (L^2 = 12).
 """
 
@@ -135,7 +135,7 @@ class _Pyproximal:
 
 
 class PyproximalStacked(_Pyproximal):
-    """As its documentation builds such a problem: pylops operators in blocks, and its own L21 and L1 for all of the terms."""
+    """As its documentation builds such a problem: pylops operators in blocks, its own L21 and L1 for all terms."""
 
     def __init__(self, problem: Problem, ratio: float):
         import pylops
@@ -167,7 +167,7 @@ class PyproximalTuned(_Pyproximal):
 
 
 def _pylops_tgv(shape):
-    """Rows of blocks [on x, on v] of grad x - v and of E v, the mixed entry weighed so that a plain norm is Frobenius'."""
+    """Rows of blocks [on x, on v] of grad x - v and E v, the mixed entry weighed so that a plain norm is Frobenius'."""
     import pylops
 
     n = shape[0] * shape[1]
@@ -202,6 +202,7 @@ def sparse_tgv(shape: tuple[int, int]):
     from scipy import sparse
 
     h, w = shape
+
     def forward(n):
         return sparse.diags_array([np.r_[-np.ones(n - 1), 0], np.ones(n - 1)], offsets=[0, 1])
 
@@ -214,7 +215,13 @@ def sparse_tgv(shape: tuple[int, int]):
     (ahead, down), (back, up) = along(forward), along(backward)
     mixed = sparse.diags_array(mixed_weight(shape).ravel())
     v1_exists, v2_exists = (sparse.diags_array(plane.ravel()) for plane in within(np.ones((2, h, w))))
-    rows = [[ahead, -v1_exists, None], [down, None, -v2_exists], [None, back, None], [None, None, up], [None, mixed @ up, mixed @ back]]
+    rows = [
+        [ahead, -v1_exists, None],
+        [down, None, -v2_exists],
+        [None, back, None],
+        [None, None, up],
+        [None, mixed @ up, mixed @ back],
+    ]
     return sparse.csr_array(sparse.block_array(rows), dtype=np.float32)
 
 
@@ -245,7 +252,9 @@ def _sorted_deviations(problem):
     """lambda sum_k |x - d_k| by the median formula of `inverse.regularize.proximal`, the data sorted beforehand."""
     from pyproximal.ProxOperator import ProxOperator
 
-    data = np.sort(np.where(np.isfinite(problem.layers), problem.layers, np.inf).reshape(len(problem.layers), -1), axis=0)
+    data = np.sort(
+        np.where(np.isfinite(problem.layers), problem.layers, np.inf).reshape(len(problem.layers), -1), axis=0
+    )
     count = np.isfinite(data).sum(axis=0, dtype=np.float32)
 
     class SortedDeviations(ProxOperator):
@@ -301,9 +310,16 @@ def _odl_terms(pixels, problem):
     def difference(axis, method):
         return odl.PartialDerivative(pixels, axis=axis, method=method, pad_mode="symmetric")
 
-    ahead, down, back, up = difference(1, "forward"), difference(0, "forward"), difference(1, "backward"), difference(0, "backward")
+    ahead, down, back, up = (
+        difference(1, "forward"),
+        difference(0, "forward"),
+        difference(1, "backward"),
+        difference(0, "backward"),
+    )
     mixed = odl.MultiplyOperator(pixels.element(mixed_weight(problem.shape)))
-    v1_exists, v2_exists = (odl.MultiplyOperator(pixels.element(plane)) for plane in within(np.ones((2, *problem.shape), np.float32)))
+    v1_exists, v2_exists = (
+        odl.MultiplyOperator(pixels.element(plane)) for plane in within(np.ones((2, *problem.shape), np.float32))
+    )
     slope = odl.BroadcastOperator(ahead * x - v1_exists * v1, down * x - v2_exists * v2)
     curvature = odl.BroadcastOperator(back * v1, up * v2, mixed * (up * v1 + back * v2))
     present = np.isfinite(problem.layers)

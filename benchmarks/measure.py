@@ -18,7 +18,7 @@ THREAD_VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREAD
 
 
 def isolated(function: str, threads: int, /, **arguments: Any) -> Any:
-    """The JSON value that "module:function" returns for these JSON arguments, called in a fresh process with so many threads.
+    """What "module:function" returns for these arguments, all of it JSON, in a fresh process with so many threads.
 
     RuntimeError, with the last line of what it said, if it fails.
     """
@@ -38,7 +38,7 @@ def _path() -> str:
 def peak_memory() -> float:
     """Peak resident set of this process so far, in MB (1e6 bytes).
 
-    From /proc where there is one: what getrusage reports on Linux includes the parent's memory at the moment of the fork.
+    From /proc where there is one: getrusage on Linux includes the parent's memory at the moment of the fork.
     """
     status = Path("/proc/self/status")
     if status.exists():
@@ -49,7 +49,7 @@ def peak_memory() -> float:
 
 
 def forget_peak() -> float:
-    """Make the peak start anew where the system allows it; the memory in use (or, failing that, the peak) now, in MB."""
+    """Make the peak start anew where the system allows it; the memory in use (failing that, the peak), in MB."""
     try:
         Path("/proc/self/clear_refs").write_text("5")
     except OSError:
@@ -90,11 +90,19 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
 def _cell(value: Any) -> str:
     if value is None:
         return "-"
-    return f"{value:.3g}" if isinstance(value, float) and not 100 <= abs(value) < 1e6 else f"{value:.0f}" if isinstance(value, float) else str(value)
+    return (
+        f"{value:.3g}"
+        if isinstance(value, float) and not 100 <= abs(value) < 1e6
+        else f"{value:.0f}"
+        if isinstance(value, float)
+        else str(value)
+    )
 
 
-def publish(name: str, title: str, tables: Mapping[str, Sequence[Mapping[str, Any]]], facts: Mapping[str, Any], output: Path) -> None:
-    """Write NAME.json and NAME.md into the folder and print the Markdown; `facts` say on what and with what it was measured."""
+def publish(
+    name: str, title: str, tables: Mapping[str, Sequence[Mapping[str, Any]]], facts: Mapping[str, Any], output: Path
+) -> None:
+    """Write NAME.json and NAME.md into the folder and print the latter; `facts` say how it was measured."""
     from ipcli.io import atomic
 
     facts = machine() | dict(facts)
@@ -128,7 +136,11 @@ def _processor() -> str:
     import platform
 
     info = Path("/proc/cpuinfo")
-    models = [line.split(":")[1].strip() for line in info.read_text().splitlines() if line.startswith("model name")] if info.exists() else []
+    models = (
+        [line.split(":")[1].strip() for line in info.read_text().splitlines() if line.startswith("model name")]
+        if info.exists()
+        else []
+    )
     return models[0] if models else platform.processor() or platform.machine()
 
 

@@ -1,4 +1,4 @@
-"""A generated scene for benchmarks: two walls, a floor and three balls, cast exactly from an arc of cameras, then measured badly."""
+"""A generated scene for benchmarks: two walls, a floor and three balls, cast from an arc of cameras, with bad sensors."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import numpy as np
 from ipcli.geometry.cameras import View
 from ipcli.rng import stream
 
-PLANES = np.array([[0.12, 0.0, 1.0, 3.2], [-1.0, 0.0, 0.35, 2.3], [0.0, 1.0, 0.1, 1.1]])  # normal . point = offset, seen from below it
+PLANES = np.array(
+    [[0.12, 0.0, 1.0, 3.2], [-1.0, 0.0, 0.35, 2.3], [0.0, 1.0, 0.1, 1.1]]
+)  # normal . point = offset, seen from below it
 BALLS = np.array([[-0.55, 0.35, 2.1, 0.45], [0.35, 0.55, 1.7, 0.25], [0.6, -0.25, 2.5, 0.4]])  # centre, radius
 LAPLACE = 0.03  # metres
 HOLES = 6  # a view

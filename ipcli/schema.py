@@ -217,8 +217,8 @@ DEPTH = Kind(
         Field("confidence", "float32", ("h", "w"), "1", "Lambda of (4.3), relative to the noise scale", domain=WEIGHT),
         Field("normals", "float32", ("h", "w", 3), "1", "Unit normals in the camera frame, facing the camera; NaN unknown"),
         Field("observations", "uint16", ("h", "w"), "1", "Observations per pixel; 0: in-painted"),
-        Field("mean", "float32", ("h", "w"), "unit", "Mean of the same observations, a baseline", domain=DISTANCE),
-        Field("median", "float32", ("h", "w"), "unit", "Median of the same observations, a baseline", domain=DISTANCE),
+        Field("mean", "float32", ("h", "w"), "unit", "Mean of the forward projected observations, a baseline", domain=DISTANCE),
+        Field("median", "float32", ("h", "w"), "unit", "Median of the forward projected observations, a baseline", domain=DISTANCE),
         Field("reference", "float32", ("h", "w"), "unit", "Depth of the reference view as given", domain=DISTANCE),
         Field("intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE),
         Field("cam_from_world", "float64", (4, 4), "unit", "Rigid pose, dst_from_src", domain=FINITE),
@@ -229,7 +229,7 @@ DEPTH = Kind(
         Field("view_valid", "float64", ("k",), "1", "Share of the view's pixels that hold data"),
         Field("view_overlap", "float64", ("k",), "1", "Share of the reference pixels that the view hits"),
         Field("view_residual", "float64", ("k",), "unit", "Median of abs(d_k - fused); NaN without overlap"),
-        Field("thumbnails", "float32", ("k", "th", "tw"), "unit", "Reprojected observations, made small; NaN none"),
+        Field("thumbnails", "float32", ("k", "th", "tw"), "unit", "Observations of each view, made small; NaN none"),
         Field("history", "float64", ("n", 5), "1", "Columns: ACS round, iteration, energy, restricted gap (relative), merit"),
         Field("unit", "str", (), "", "Unit of length of the scene, such as `m`"),
         Field("domain", "str", (), "", "Quantity that was regularised", choices=("depth", "disparity", "inverse depth")),
@@ -238,6 +238,8 @@ DEPTH = Kind(
         Field("metrics", "float64", ("m", "c"), "", "Error measures against `truth`; NaN undefined", optional=True),
         Field("metric_rows", "str", ("m",), "", "Result that each row measures", optional=True),
         Field("metric_columns", "str", ("c",), "", "Measure and unit of each column", optional=True),
+        Field("ause", "float64", (), "1", "Area under the sparsification error of `confidence`, in mean errors", optional=True),
+        Field("ause_angle", "float64", (), "1", "The same of the angle of view (4.35) as a confidence", optional=True),
     ),
 )
 
@@ -253,4 +255,24 @@ COMPARISON = Kind(
     ),
 )
 
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (VIEWS, DEPTH, COMPARISON)}
+CLOUD = Kind(
+    "cloud",
+    1,
+    "One cloud of points from several fused maps, in world coordinates.",
+    (
+        Field("points", "float32", ("n", 3), "unit", "Mean of what the maps saw", domain=FINITE),
+        Field("normals", "float32", ("n", 3), "1", "Unit length, facing the cameras", domain=FINITE),
+        Field("colors", "uint8", ("n", 3), "", "RGB", optional=True),
+        Field("confidence", "float32", ("n",), "1", "Sum of the confidences of the maps that agree", domain=WEIGHT),
+        Field("views", "uint16", ("n",), "1", "Maps that agree on the point"),
+        Field("spacing", "float64", (), "unit", "Side of the cells within which points were merged", domain=WEIGHT),
+        Field("maps", "str", ("m",), "", "File of each fused map"),
+        Field("cam_from_world", "float64", ("m", 4, 4), "unit", "Rigid pose of each map, dst_from_src", domain=FINITE),
+        Field("map_points", "int64", ("m",), "1", "Points of the map: pixels that were observed"),
+        Field("map_confirmed", "int64", ("m",), "1", "Those confirmed by enough other maps"),
+        Field("map_contradicted", "int64", ("m",), "1", "Those that more maps look through than confirm"),
+        Field("unit", "str", (), "", "Unit of length of the scene, such as `m`"),
+    ),
+)
+
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (VIEWS, DEPTH, COMPARISON, CLOUD)}

@@ -68,6 +68,7 @@ def test_lengths_that_disagree_name_the_other_field(kind):
         "views": ("views/a/depth", "views/a/confidence", "w"),
         "depth": ("depth", "confidence", "w"),
         "comparison": ("methods", "values", "m"),
+        "cloud": ("maps", "map_points", "m"),
     }[kind.name]
     axis = kind.field(other)[0].dims.index(dim)
     length = arrays[first].shape[-1]

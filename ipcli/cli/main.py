@@ -34,6 +34,8 @@ COMMANDS = {
     "import-views": Command("ipcli.cli.import_views:main", "Turn a folder of depth maps and poses into one views file."),
     "info": Command("ipcli.cli.info:main", "Tell what a file holds and how it was made."),
     "kitti-views": Command("ipcli.cli.kitti_views:main", "Make views of KITTI stereo pairs."),
+    "render-views": Command("ipcli.cli.render_views:main", "Render depth maps of a mesh, with noise if wanted."),
+    "merge-depth": Command("ipcli.cli.merge_depth:main", "Join fused depth maps into one coloured cloud."),
     "report": Command("ipcli.cli.report:main", "Turn artefacts into one HTML page."),
 }
 

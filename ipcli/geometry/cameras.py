@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence as Ordered
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -32,6 +33,13 @@ class View:
     truth: np.ndarray | None = None  # (h, w) float32, NaN = unknown
 
 
+class Loader(Protocol):
+    """How a sequence reads a view."""
+
+    def __call__(self, name: str, pictures: bool = True) -> View:
+        """The view of that name; without pictures its image and truth are left unread."""
+
+
 @dataclass(frozen=True)
 class Sequence:
     """Views in order, each read only when asked for: a long recording costs the memory of the views in use."""
@@ -40,7 +48,7 @@ class Sequence:
     unit: str  # of depth and translation, such as "m"
     measured: str  # the quantity whose noise is homogeneous: "depth" or "disparity"
     baseline_focal: float | None  # pixels * unit: disparity = baseline_focal / depth
-    load: Callable[[str], View]
+    load: Loader
     files: Callable[[str], tuple[Path, ...]]  # the files a view is made of, for the provenance
 
 

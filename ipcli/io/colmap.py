@@ -38,14 +38,14 @@ def open_colmap(folder: Path, *, depth: str | None = None) -> Sequence:
     A view is named after its image file, with ``_`` for ``/``. Depth maps made at a reduced size get scaled intrinsics.
     """
     kind = depth or _kind(folder)
-    pictures: dict[str, _Picture] = {}
+    found: dict[str, _Picture] = {}
     for name, picture in _pictures(folder, kind).items():
         flat = name.replace("/", "_")
-        if flat in pictures:
+        if flat in found:
             raise FormatError(folder / "images", f"two images would be named '{flat}'", fix="Rename one of them")
         if picture.depth.is_file():
-            pictures[flat] = picture
-    if not pictures:
+            found[flat] = picture
+    if not found:
         raise FormatError(
             folder / "stereo" / "depth_maps",
             f"no {kind} depth map of a registered image",
@@ -53,15 +53,15 @@ def open_colmap(folder: Path, *, depth: str | None = None) -> Sequence:
             fix="Check that sparse/ is the model the depth maps were made with",
         )
 
-    def load(name: str) -> View:
-        return check(_view(name, pictures[name]), pictures[name].depth)
+    def load(name: str, pictures: bool = True) -> View:
+        return check(_view(name, found[name], pictures), found[name].depth)
 
     def files(name: str) -> tuple[Path, ...]:
-        picture = pictures[name]
+        picture = found[name]
         seen = (picture.image,) if picture.image.is_file() else ()
         return (picture.depth, *seen, *_model_files(folder))
 
-    return Sequence(tuple(sorted(pictures)), "colmap unit", "depth", None, load, files)
+    return Sequence(tuple(sorted(found)), "colmap unit", "depth", None, load, files)
 
 
 def read_depth_map(path: Path) -> np.ndarray:
@@ -154,9 +154,9 @@ def _pictures(folder: Path, kind: str) -> dict[str, _Picture]:
     return pictures
 
 
-def _view(name: str, picture: _Picture) -> View:
+def _view(name: str, picture: _Picture, with_image: bool) -> View:
     depth = read_depth_map(picture.depth)
-    image = layout.image_at(picture.image if picture.image.is_file() else None, depth.shape)
+    image = layout.image_at(picture.image if with_image and picture.image.is_file() else None, depth.shape)
     return View(
         name, depth, _scaled(picture.intrinsics, picture.size, depth.shape), picture.cam_from_world, image=image
     )

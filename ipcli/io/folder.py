@@ -82,8 +82,9 @@ def open_folder(
         for kind in ("confidence", "image", "truth")
     }
 
-    def load(name: str) -> View:
-        files = {kind: found[name] for kind, found in beside.items() if name in found}
+    def load(name: str, pictures: bool = True) -> View:
+        wanted = beside if pictures else {"confidence": beside["confidence"]}
+        files = {kind: found[name] for kind, found in wanted.items() if name in found}
         return check(_view(name, depths[name], files, cameras[name], poses[name], manifest), folder)
 
     def files(name: str) -> tuple[Path, ...]:

@@ -21,6 +21,7 @@ from ipcli.errors import FormatError, IpcliError, VersionTooNew, VersionTooOld
 from ipcli.io import atomic
 
 LAYOUT = ("v108", "v108")
+BLOCK = 1 << 22  # bytes by which a file in memory grows
 DEFLATE_LIMIT = 1100  # deflate cannot expand further; a dataset that claims more is damaged
 FIX = "Make it again, or check that the copy is complete"
 # all that h5py is known to raise on damaged files
@@ -66,15 +67,19 @@ def write(path: Path, kind_name: str, arrays: Mapping[str, np.ndarray], provenan
 
     kind = schema.kind(kind_name)
     schema.validate(kind, arrays)
+    # In memory first: HDF5 that is refused by a full disk half-way through takes the process down with it.
+    with h5py.File(path.name, "w", libver=LAYOUT, driver="core", backing_store=False, block_size=BLOCK) as file:
+        _set_text(file, "ipcli_kind", kind.name)
+        file.attrs["ipcli_version"] = kind.version
+        _set_text(file, "provenance", json.dumps(provenance, allow_nan=False))
+        for name in sorted(arrays):
+            _write_dataset(file, name, kind.field(name)[0], np.asarray(arrays[name]))
+        file.attrs["ipcli_complete"] = 1
+        file.flush()
+        image = file.id.get_file_image()
     try:
-        with atomic.replacing(path) as temporary, h5py.File(temporary, "w", libver=LAYOUT) as file:
-            _set_text(file, "ipcli_kind", kind.name)
-            file.attrs["ipcli_version"] = kind.version
-            _set_text(file, "provenance", json.dumps(provenance, allow_nan=False))
-            for name in sorted(arrays):
-                _write_dataset(file, name, kind.field(name)[0], np.asarray(arrays[name]))
-            file.attrs["ipcli_complete"] = 1
-    except (OSError, RuntimeError) as error:
+        atomic.write_bytes(path, image)
+    except OSError as error:
         raise IpcliError(f"{path}: cannot be written: {_one_line(error)}") from error
 
 

@@ -131,7 +131,7 @@ def _sequence(folder: Path, frames: Mapping[str, _Frame], intrinsics: np.ndarray
     if not depth_scale > 0:
         raise ParameterError(f"{folder}: depth_scale = {depth_scale!r}: expected a number > 0")
 
-    def load(name: str) -> View:
+    def load(name: str, pictures: bool = True) -> View:
         from ipcli.io.images import read_depth
 
         frame = frames[name]
@@ -140,9 +140,8 @@ def _sequence(folder: Path, frames: Mapping[str, _Frame], intrinsics: np.ndarray
             layout.read_matrix(frame.pose, (4, 4)) if frame.world_from_cam is None else frame.world_from_cam
         )
         cam_from_world = layout.inverse(frame.pose, world_from_cam)
-        return check(
-            View(name, depth, intrinsics, cam_from_world, image=layout.image_at(frame.image, depth.shape)), frame.pose
-        )
+        image = layout.image_at(frame.image if pictures else None, depth.shape)
+        return check(View(name, depth, intrinsics, cam_from_world, image=image), frame.pose)
 
     def files(name: str) -> tuple[Path, ...]:
         frame = frames[name]

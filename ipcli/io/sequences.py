@@ -14,7 +14,8 @@ from ipcli.errors import FormatError, ParameterError, nearest
 from ipcli.geometry.cameras import Sequence, View, check
 from ipcli.io import colmap, folder, rgbd
 
-PER_VIEW = ("depth", "intrinsics", "cam_from_world", "confidence", "image", "truth")
+PICTURES = ("image", "truth")
+PER_VIEW = ("depth", "intrinsics", "cam_from_world", "confidence", *PICTURES)
 
 
 @dataclass(frozen=True)
@@ -53,9 +54,10 @@ def open_views(path: Path) -> Sequence:
     names = tuple(sorted({field.split("/")[1] for field in fields if field.startswith("views/")}))
     baseline_focal = float(shared["baseline_focal"]) if "baseline_focal" in shared else None
 
-    def load(name: str) -> View:
+    def load(name: str, pictures: bool = True) -> View:
         prefix = f"views/{name}/"
-        arrays = h5.read(path, "views", only=lambda field: field.startswith(prefix)).arrays
+        wanted = [prefix + field for field in PER_VIEW if pictures or field not in PICTURES]
+        arrays = h5.read(path, "views", only=lambda field: field in wanted).arrays
         return check(View(name, **{field.removeprefix(prefix): array for field, array in arrays.items()}), path)
 
     return Sequence(names, str(shared["unit"]), str(shared["measured"]), baseline_focal, load, lambda name: (path,))

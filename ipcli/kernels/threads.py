@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 import os
+import threading
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -30,10 +31,15 @@ def blocks(height: int, least: int = 1) -> list[tuple[int, int]]:
 
 
 def each(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
-    """The function of every item, side by side, in their order."""
-    return [function(item) for item in items] if len(items) == 1 else list(_pool(count()).map(function, items))
+    """The function of every item, side by side, in their order. Within such a function, `each` goes one by one."""
+    if len(items) == 1 or getattr(_thread, "is_worker", False):
+        return [function(item) for item in items]
+    return list(_pool(count()).map(function, items))
+
+
+_thread = threading.local()
 
 
 @cache
 def _pool(workers: int) -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(workers, thread_name_prefix="rows")
+    return ThreadPoolExecutor(workers, initializer=lambda: setattr(_thread, "is_worker", True))

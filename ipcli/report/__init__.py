@@ -7,7 +7,12 @@ from importlib import import_module
 
 from ipcli.errors import ParameterError
 
-PAGES = {"comparison": "ipcli.report.compare", "depth": "ipcli.report.fuse_depth", "views": "ipcli.report.views"}
+PAGES = {
+    "cloud": "ipcli.report.merge_depth",
+    "comparison": "ipcli.report.compare",
+    "depth": "ipcli.report.fuse_depth",
+    "views": "ipcli.report.views",
+}
 
 
 def renderer(kind: str) -> Callable[..., str]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ipcli.report import curves, pictures
-from ipcli.report.numbers import aligned, percent, with_unit
+from ipcli.report.numbers import aligned, number, percent, with_unit
 from ipcli.report.page import Markup, bar, element, figure, gallery, section, table
 from ipcli.report.pictures import draw
 
@@ -42,7 +42,7 @@ def maps(arrays: Mapping[str, np.ndarray], unit: str, widest: int) -> Markup:
         element(
             "div",
             element("div", side, class_="half"),
-            _sparsification(arrays["confidence"], errors["depth"], unit),
+            element("div", _sparsification(arrays["confidence"], errors["depth"], unit), *_ause(arrays), class_="half"),
             class_="plots",
         ),
         lead="Absolute error of each map on one scale, up to the 99th percentile of the median's.",
@@ -79,6 +79,15 @@ def _sparsification(confidence: np.ndarray, error: np.ndarray, unit: str) -> Mar
         f"mean error, {unit}" if unit else "mean error",
         from_zero=True,
     )
+
+
+def _ause(arrays: Mapping[str, np.ndarray]) -> list[Markup]:
+    """The area between the curves, which the artefact holds, in words."""
+    if "ause" not in arrays:
+        return []
+    own, angle = (number(float(arrays[name]), 2) for name in ("ause", "ause_angle"))
+    words = f"Area between the first two curves, over all observed pixels and in mean errors: {own}; by the angle of view (4.35): {angle}."
+    return [element("p", words, class_="lead")]
 
 
 def sparsification(error: np.ndarray, key: np.ndarray, points: int = 60) -> tuple[np.ndarray, np.ndarray]:

@@ -60,11 +60,29 @@ def oblique(
     canvas = _canvas(small.shape)
     if not known.any():
         return np.full((*canvas, 3), BACKGROUND, np.uint8)
-    points, colours = points[known], colours[known]
+    return turned(points[known], colours[known], canvas)
+
+
+def turned(points: np.ndarray, colours: np.ndarray, canvas: tuple[int, int]) -> np.ndarray:
+    """Points (n, 3) float32 in a camera frame in their colours (n, 3), seen from the turned camera; far outliers left out."""
     low, high = np.percentile(points[::7, 2], (0.5, 99.5))
     margin = 0.3 * (high - low)
     inside = (points[:, 2] >= low - margin) & (points[:, 2] <= high + margin)
     return _splat(_turn(points[inside]), colours[inside], canvas)
+
+
+def cloud(points: np.ndarray, normals: np.ndarray, colours: np.ndarray | None, canvas: tuple[int, int]) -> np.ndarray:
+    """Points (n, 3) with normals (n, 3) in a camera frame, lit from that camera and seen from the turned one.
+
+    Points behind the camera and more than make a picture are left out; clay without colours (n, 3).
+    """
+    ahead = np.flatnonzero(points[:, 2] > 0)
+    if not ahead.size:
+        return np.full((*canvas, 3), BACKGROUND, np.uint8)
+    shown = ahead[:: -(-ahead.size // POINTS)]
+    points, normals = points[shown].astype(np.float32), normals[shown]
+    light = np.abs(_dot(normals, points)) / np.linalg.norm(points, axis=1)
+    return turned(points, _colours(light, None if colours is None else colours[shown]), canvas)
 
 
 def _grazing(depth: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:

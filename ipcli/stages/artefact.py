@@ -11,6 +11,7 @@ import json
 import logging
 import time
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from enum import Enum
@@ -103,9 +104,12 @@ def _publish(job: Job, arrays: dict[str, np.ndarray], record: dict[str, Any]) ->
     atomic.sweep(job.output.parent)
     with ExitStack() as stack:  # leaves in reverse: nothing is published before all is written, the artefact last
         artefact = stack.enter_context(atomic.replacing(job.output))
-        for path, write in job.beside.items():
-            write(stack.enter_context(atomic.replacing(path)), arrays, record)
-        h5.write(artefact, job.kind, arrays, record)
+        beside = [(write, stack.enter_context(atomic.replacing(path))) for path, write in job.beside.items()]
+        with ThreadPoolExecutor() as pool:
+            writing = [pool.submit(write, path, arrays, record) for write, path in beside]
+            h5.write(artefact, job.kind, arrays, record)
+        for written in writing:
+            written.result()
 
 
 def _write_run_record(output: Path, record: dict[str, Any]) -> None:

@@ -61,10 +61,14 @@ def test_the_comparison_of_solvers_has_all_its_rows(tmp_path):
     fusion_solver.main(["--size", "64", "48", "--count", "3", "--iterations", "20", "--output", str(tmp_path)])
     tables = json.loads((tmp_path / "fusion_solver.json").read_text())["tables"]
     solvers, start, baselines = tables.values()
-    here = [name for name, (solver, _) in fusion_solver.ROWS.items() if find_spec(fusion_solvers.NEEDS.get(solver, "numpy"))]
+    here = [
+        name for name, (solver, _) in fusion_solver.ROWS.items() if find_spec(fusion_solvers.NEEDS.get(solver, "numpy"))
+    ]
     assert [row["solver"] for row in solvers] == here
     assert all(row["ms / iteration"] > 0 for row in solvers)
-    assert [row["threads"] for row in start] == [1, 1, 2, 2] and all(row["found"] <= row["restricted gap asked for"] for row in start)
+    assert [row["threads"] for row in start] == [1, 1, 2, 2] and all(
+        row["found"] <= row["restricted gap asked for"] for row in start
+    )
     methods = {row["method"] for row in baselines}
     assert methods <= set(fusion_baselines.METHODS) and {"ipcli l1-adapt", "ipcli tgv-l1", "median"} <= methods
     assert all(f"| {name} |" in (tmp_path / "fusion_solver.md").read_text() for name in here)
@@ -74,6 +78,11 @@ def test_the_comparison_of_solvers_has_all_its_rows(tmp_path):
 def test_the_growth_has_all_its_rows(tmp_path):
     fusion_scaling.main(["--pixels", "0.003", "0.006", "--observations", "3", "--output", str(tmp_path)])
     cases, growth, bandwidth = json.loads((tmp_path / "fusion_scaling.json").read_text())["tables"].values()
-    assert [(row["Mpx"], row["K"], row["threads"]) for row in cases] == [(0.003, 3, 1), (0.003, 3, 2), (0.006, 3, 1), (0.006, 3, 2)]
+    assert [(row["Mpx"], row["K"], row["threads"]) for row in cases] == [
+        (0.003, 3, 1),
+        (0.003, 3, 2),
+        (0.006, 3, 1),
+        (0.006, 3, 2),
+    ]
     assert not any("failed" in row for row in cases)
     assert len(growth) == 6 and [row["threads"] for row in bandwidth] == [1, 2]

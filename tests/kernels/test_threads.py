@@ -31,3 +31,9 @@ def test_a_failure_in_a_block_reaches_the_caller(monkeypatch):
     monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
     with pytest.raises(ZeroDivisionError):
         threads.each(lambda item: 1 // item, [1, 0])
+
+
+def test_each_within_each_does_not_wait_for_itself(monkeypatch):
+    monkeypatch.setattr(threads, "count", lambda: 2)
+    outer = threads.each(lambda i: sum(threads.each(lambda j: 10 * i + j, range(5))), range(6))
+    assert outer == [50 * i + 10 for i in range(6)]

@@ -24,7 +24,7 @@ from ipcli.inverse.regularize.parameters import Regulariser, Solver
 
 SLOPE_MARGIN = 1.5
 NEIGHBOURHOOD = 31  # pixels
-BALANCE = 120.0  # step ratio times spread that does best, within a factor of two, on indoor, stereo and generated depth
+BALANCE = 150.0  # step ratio times spread that does best, within a factor of two, on indoor, stereo and generated depth
 TOGETHER = 16  # iterations that a block of rows does by itself, with as many rows of its neighbours
 
 

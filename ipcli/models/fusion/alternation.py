@@ -24,6 +24,8 @@ from ipcli.inverse.regularize import tgv
 from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Anchored, Fidelity, SquaredDeviations
 from ipcli.inverse.regularize.parameters import Regulariser, Solver
 
+START = 30.0  # the first round may be this much less exact than the last
+TIGHTEN = 4.0  # by how much each round is more exact than the one before
 SETTLED = 1e-3  # a round that lowers the merit by less than this share of its regularised part was the last one
 BICONVEX_STEP = 0.1  # tau of the confidence in Algorithm 4.4
 
@@ -85,9 +87,9 @@ def alternate_convex_search(problem: Problem, iterate: tgv.Iterate, solver: Solv
     """
     merit = problem.merit(iterate)
     history.mark(merit)
-    for _ in range(rounds):
-        before, merit = merit, _round(problem, problem.at(problem.best_confidence(iterate.x)), iterate, solver, history)
-        if settled(before - merit, problem, iterate):
+    for inner in tightened(solver, rounds):
+        before, merit = merit, _round(problem, problem.at(problem.best_confidence(iterate.x)), iterate, inner, history)
+        if inner.tolerance == solver.tolerance and settled(before - merit, problem, iterate):
             break
 
 
@@ -100,11 +102,11 @@ def alternate_minimisation(problem: Problem, iterate: tgv.Iterate, solver: Solve
     confidence = problem.best_confidence(iterate.x)
     merit = problem.merit(iterate)
     history.mark(merit)
-    for _ in range(rounds):
+    for inner in tightened(solver, rounds):
         confidence = confidence_step(confidence, problem, iterate.x, reach)
         anchored = Anchored(problem.at(confidence), iterate.x.copy(), reach)
-        before, merit = merit, _round(problem, anchored, iterate, solver, history)
-        if settled(before - merit, problem, iterate):
+        before, merit = merit, _round(problem, anchored, iterate, inner, history)
+        if inner.tolerance == solver.tolerance and settled(before - merit, problem, iterate):
             break
         reach *= 2
 
@@ -131,6 +133,12 @@ def confidence_step(confidence: np.ndarray, problem: Problem, x: np.ndarray, ste
     half = (np.abs(a) + np.sqrt(a * a + 4 * problem.b * step)) / 2
     root = np.where(a > 0, half, problem.b * step / half)  # each without cancellation
     return np.where(problem.fidelity.total > 0, root, 0).astype(np.float32)
+
+
+def tightened(solver: Solver, rounds: int) -> list[Solver]:
+    """The solver of each round after the first pass: no more exact than the confidence deserves yet, at the end as asked."""
+    shares = [START / TIGHTEN ** (round + 1) for round in range(rounds - 1)] + [1.0]
+    return [replace(solver, tolerance=max(share, 1.0) * solver.tolerance) for share in shares]
 
 
 def settled(gain: float, problem: Problem, iterate: tgv.Iterate) -> bool:

@@ -12,13 +12,12 @@ from ipcli.geometry.cameras import View
 from ipcli.inverse.regularize import tgv
 from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Observations, SquaredDeviations
 from ipcli.models.fusion import confidence as priors
-from ipcli.models.fusion.alternation import ALGORITHMS, History, Problem, with_given_confidence
+from ipcli.models.fusion.alternation import ALGORITHMS, START, History, Problem, with_given_confidence
 from ipcli.models.fusion.observations import Units, measure
 from ipcli.models.fusion.parameters import METHODS, Fusion, Method
 from ipcli.models.fusion.pyramid import start
+from ipcli.models.fusion.reassociation import reassociate
 from ipcli.models.fusion.reprojection import Layers, reproject_all
-
-FIRST_PASS = 10.0  # the pass that only serves to find a first confidence may be this much less exact
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +27,12 @@ class Fused:
     depth: np.ndarray  # float32, in-painted where nothing was observed; NaN there for methods without regularisation
     confidence: np.ndarray  # float32, L of eq. (4.14), in inverse noise scales; 0 where nothing was observed
     observations: np.ndarray  # uint16
-    mean: np.ndarray  # float32, NaN where nothing was observed
-    median: np.ndarray  # float32, NaN where nothing was observed
-    layers: np.ndarray  # (K, h, w) float32, reprojected depth of each view, NaN = nothing
+    mean: np.ndarray  # float32, of the forward projected observations, NaN where there are none
+    median: np.ndarray  # float32, likewise
+    layers: np.ndarray  # (K, h, w) float32, what each view said in the end, NaN = nothing
     lam: float  # weight of the data
     noise_scale: float  # of the observations: in the unit of depth, or of its inverse
-    history: np.ndarray  # (n, 5) round, iteration, energy, restricted gap, merit
+    history: np.ndarray  # (n, 5) round, iteration, energy, restricted gap, merit; of the last pass
 
 
 def fuse(
@@ -46,70 +45,118 @@ def fuse(
 ) -> Fused:
     """Fuse the views, the reference among them if it is to count, in depth or in inverse depth.
 
-    Planes are affine in inverse depth, and the noise of stereo is homogeneous there; depth sensors want depth. Raises
-    NoSolution if no view reaches the reference camera.
+    Planes are affine in inverse depth, and the noise of stereo is homogeneous there; depth sensors want depth. Methods with
+    regularisation then look their observations up anew by the map that they found, `fusion.reassociate` times; mean and median
+    stay those of the forward projection (4.34). Raises NoSolution if no view reaches the reference camera.
     """
     progress(0.0, "reprojecting")
-    layers = reproject_all(views, reference)
-    units = measure(layers.depth, inverse=inverse)
-    x = units.normalise(layers.depth)
-    data = Observations.of(x, layers.confidence if fusion.confidence.given else None)
-    if not data.count.any():
-        raise NoSolution("the given confidence of every observation is 0: correct it, or ignore it with --no-given-confidence")
-    method = METHODS[fusion.method]
-    history = History()
+    forward = reproject_all(views, reference)
+    passes = fusion.reassociate if METHODS[fusion.method].order else 0
     progress(0.2, "fusing")
-    fused, problem = solve(x, data, method, fusion, units, reference, history)
+    first = last = fuse_layers(forward, reference, first_pass(fusion) if passes else fusion, inverse=inverse)
+    for done in range(1, passes + 1):
+        progress(0.2 + 0.7 * done / (passes + 1), "fusing again, by the map so far")
+        layers = reassociate(last.units.depth(last.x), views, reference, forward, last.units)
+        settings = fusion if done == passes else first_pass(fusion)
+        last = fuse_layers(layers, reference, settings, inverse=inverse, before=last)
     return Fused(
-        depth=units.depth(fused),
-        confidence=problem.best_confidence(fused),
-        observations=data.count.astype(np.uint16),
-        mean=units.depth(data.mean()),
-        median=units.depth(data.median()),
-        layers=np.where(np.isfinite(layers.depth), layers.depth, np.nan),
-        lam=problem.lam,
-        noise_scale=units.scale,
-        history=np.array(history.rows, np.float64).reshape(-1, 5),
+        depth=last.units.depth(last.x),
+        confidence=last.problem.best_confidence(last.x),
+        observations=last.data.count.astype(np.uint16),
+        mean=first.units.depth(first.data.mean()),
+        median=first.units.depth(first.data.median()),
+        layers=np.where(np.isfinite(last.layers), last.layers, np.nan),
+        lam=last.problem.lam,
+        noise_scale=last.units.scale,
+        history=np.array(last.history.rows, np.float64).reshape(-1, 5),
     )
 
 
-def solve(
-    x: np.ndarray, data: Observations, method: Method, fusion: Fusion, units: Units, reference: View, history: History
-) -> tuple[np.ndarray, Problem]:
-    """The fused image (h, w) of layers x (K, h, w) in units of the noise, and the problem it solves."""
+@dataclass(frozen=True, eq=False)
+class Pass:
+    """What a fusion of given layers came to."""
+
+    layers: np.ndarray  # (K, h, w) float32, +inf = nothing
+    units: Units
+    data: Observations  # in these units
+    problem: Problem
+    iterate: tgv.Iterate  # in these units
+    history: History
+
+    @property
+    def x(self) -> np.ndarray:
+        """The fused image (h, w) float32, in these units."""
+        return self.iterate.x
+
+    def iterate_in(self, units: Units) -> tgv.Iterate:
+        """Where this pass ended, in other units: the duals have none."""
+        x = units.normalise(self.units.depth(self.x))
+        return tgv.Iterate(x, self.iterate.v * np.float32(self.units.scale / units.scale), self.iterate.p, self.iterate.q)
+
+
+def fuse_layers(layers: Layers, reference: View, fusion: Fusion, *, inverse: bool, before: Pass | None = None) -> Pass:
+    """One fusion of observations that are where they belong, from where a pass before ended or from a coarse grid.
+
+    NoSolution if there are no observations, or all have weight 0.
+    """
+    weights = layers.confidence if fusion.confidence.given else None
+    depth = layers.depth if weights is None else np.where(weights > 0, layers.depth, np.inf)
+    if np.isfinite(layers.depth).any() and not np.isfinite(depth).any():
+        raise NoSolution("the given confidence of every observation is 0: correct it, or ignore it with --no-given-confidence")
+    units = measure(depth, inverse=inverse)
+    x = units.normalise(depth)
+    data = Observations.of(x, weights)
+    method = METHODS[fusion.method]
     lam = balanced_lambda(data, method) if fusion.lam is None else fusion.lam
     if method.of_median:
         x = data.median()[None]
-        data = Observations.of(x)
-    problem = pose(data, lam, method, fusion)
+    problem = pose(Observations.of(x) if method.of_median else data, lam, method, fusion)
+    history = History()
     if method.order == 0:
-        return (data.mean() if method.deviation == "squared" else data.median()), problem
-    solver = fusion.solver
+        iterate = tgv.Iterate.at(data.mean() if method.deviation == "squared" else data.median())
+        return Pass(layers.depth, units, data, problem, iterate, history)
     weight = float(data.total.sum() / data.count.sum())  # of an observation, on average: the start takes them all alike
-    iterate = start(x, lam * weight, problem.regulariser, solver, solver.levels)
-    even = np.ones(iterate.x.shape, np.float32)
+    levels = fusion.solver.levels
+    iterate = before.iterate_in(units) if before else start(x, lam * weight, problem.regulariser, fusion.solver, levels)
+    problem = solve(problem, iterate, method, fusion, units, reference, history)
+    return Pass(layers.depth, units, data, problem, iterate, history)
+
+
+def first_pass(fusion: Fusion) -> Fusion:
+    """The settings of a fusion whose map only serves to associate the next: quick ones."""
+    return replace(fusion, rounds=1, solver=replace(fusion.solver, tolerance=START * fusion.solver.tolerance))
+
+
+def solve(
+    problem: Problem, iterate: tgv.Iterate, method: Method, fusion: Fusion, units: Units, reference: View, history: History
+) -> Problem:
+    """Move the iterate to the solution by the algorithm of the method; the problem with its prior confidence put in."""
+    solver, even = fusion.solver, np.ones(iterate.x.shape, np.float32)
     if not (method.adaptive or method.normals or method.edges):
         with_given_confidence(problem, even, iterate, solver, history)
-        return iterate.x, problem
-    with_given_confidence(problem, even, iterate, replace(solver, tolerance=FIRST_PASS * solver.tolerance), history)
+        return problem
+    with_given_confidence(problem, even, iterate, replace(solver, tolerance=START * solver.tolerance), history)
     prior = prior_confidence(iterate.x, method, fusion, units, reference)
     if not method.adaptive:
         with_given_confidence(problem, prior, iterate, solver, history)
-        return iterate.x, problem
+        return problem
     problem = replace(problem, rate=problem.rate / prior)
     ALGORITHMS[fusion.algorithm](problem, iterate, solver, fusion.rounds, history)
-    return iterate.x, problem
+    return problem
 
 
 def balanced_lambda(data: Observations, method: Method) -> float:
     """The lambda at which, on the true image, chance pulls a pixel as hard as the regulariser can hold.
 
     There the K signs of x - d_k add up to a random walk of length sqrt(sum of w_k^2), in the units of the noise also for
-    squares; the regulariser answers with at most about alpha1. So lambda = 1 / that length, in the median over pixels. The
-    median of K observations pulls as one, but errs 1 / sqrt(K) as much.
+    squares; the regulariser answers with at most about alpha1. So lambda = 1 / that length, in the pixel of the median
+    observation: a wide margin of pixels that few views reach does not count for much. The median of K observations pulls as
+    one, but errs 1 / sqrt(K) as much.
     """
-    walk = np.sqrt(data.count if data.weights is None else np.square(data.weights).sum(axis=1))
-    length = float(np.median(walk[data.count > 0]))
+    walk = np.sqrt(data.count if data.weights is None else np.square(data.weights).sum(axis=1)).ravel()
+    order = np.argsort(walk, kind="stable")
+    reached = np.cumsum(data.count.ravel()[order], dtype=np.float64)
+    length = float(walk[order[np.searchsorted(reached, reached[-1] / 2)]])
     return length if method.of_median else 1 / length
 
 

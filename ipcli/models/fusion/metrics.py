@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ipcli.geometry.surface import normals
+from ipcli.kernels import threads
 
 DEPTH_COLUMNS = ("density %", "RMSE", "MAE", "centred RMSE", "Z-MAE", "N-MAE rad")
 DISPARITY_COLUMNS = ("out-3 %", "D-avg px")
@@ -24,13 +25,13 @@ def compare(
     known = np.isfinite(truth)
     everywhere = known & np.isfinite(np.stack(list(maps.values()))).all(axis=0)
     true_normals = normals(truth, intrinsics)
-    rows = []
-    for depth in maps.values():
-        row = [100 * np.isfinite(depth[known]).mean(), *depth_errors(depth, truth, everywhere)]
-        row.append(normal_error(normals(depth, intrinsics), true_normals, everywhere))
-        if baseline_focal:
-            row += disparity_errors(baseline_focal / depth, baseline_focal / truth)
-        rows.append(row)
+
+    def row(depth: np.ndarray) -> list[float]:
+        angle = normal_error(normals(depth, intrinsics), true_normals, everywhere)
+        disparity = disparity_errors(baseline_focal / depth, baseline_focal / truth) if baseline_focal else []
+        return [100 * np.isfinite(depth[known]).mean(), *depth_errors(depth, truth, everywhere), angle, *disparity]
+
+    rows = threads.each(row, list(maps.values()))
     return list(DEPTH_COLUMNS + (DISPARITY_COLUMNS if baseline_focal else ())), np.array(rows)
 
 
@@ -57,6 +58,24 @@ def disparity_errors(disparity: np.ndarray, truth: np.ndarray, tolerance: float 
     known = np.isfinite(truth)
     error = np.abs(interpolate_background(disparity)[known] - truth[known])
     return [float(100 * (error > tolerance).mean()), float(error.mean())]
+
+
+def ause(confidence: np.ndarray, error: np.ndarray) -> float:
+    """Area under the sparsification error, in mean errors: how much the order of a confidence (h, w) differs from the best.
+
+    The sparsification curve is the mean absolute error of the share s of most confident pixels, 0 < s <= 1; the area is that
+    between it and the curve of the pixels in the order of their errors (h, w) themselves. 0 is perfect; pixels of equal
+    confidence count as in random order. NaN without a pixel that has both, 0 without any error (Ilg et al., ECCV 2018).
+    """
+    known = np.isfinite(confidence) & np.isfinite(error)
+    error = np.abs(error[known]).astype(np.float64)
+    if not error.size:
+        return float("nan")
+    _, group, size = np.unique(-confidence[known], return_inverse=True, return_counts=True)
+    expected = np.repeat(np.bincount(group, error) / size, size)
+    kept = np.arange(1, error.size + 1)
+    area = ((expected.cumsum() - np.sort(error).cumsum()) / kept).mean()
+    return float(area / error.mean()) if error.any() else 0.0
 
 
 def interpolate_background(disparity: np.ndarray) -> np.ndarray:

@@ -64,7 +64,27 @@ class Fusion:
         None, "weight lambda of the data; more follows them, less smooths; if not given 1/sqrt(K), K views a pixel", flag="--lambda", low=0.0
     )
     rounds: int = option(4, "rounds of confidence and depth at the most", flag="--rounds", low=1)
+    reassociate: int = option(
+        1,
+        "times that observations are looked up anew by the map fused so far; 0: forward projection (4.34) alone",
+        flag="--reassociate",
+        low=0,
+    )
     huber: float = option(1.0, "width of the Huber deviation, in noise scales", low=1e-6)
     confidence: Confidence = field(default_factory=Confidence)
     regulariser: Regulariser = field(default_factory=Regulariser)
     solver: Solver = field(default_factory=Solver)
+
+
+@dataclass(frozen=True)
+class Merge:
+    """When several fused maps agree on a point, and how finely the points are told apart."""
+
+    agree: int = option(2, "other maps that must see a point where it is", flag="--agree", low=0)
+    tolerance: float = option(0.5, "largest difference in depth, in noise scales of one observation", flag="--tolerance", low=0.0)
+    relative: float = option(0.005, "difference in depth that always counts as none, as a share of the depth", flag="--relative", low=0.0)
+    angle: float = option(60.0, "largest angle between normals", flag="--angle", low=0.0, high=180.0, unit="degrees")
+    neighbours: int = option(16, "other maps to ask, those that look at the same place from near by", flag="--neighbours", low=1)
+    spacing: float | None = option(
+        None, "side of the cells within which points are merged; if not given the median size of a pixel", flag="--spacing", low=0.0, unit="the unit"
+    )

@@ -10,10 +10,8 @@ from ipcli.errors import NoSolution
 from ipcli.geometry.cameras import rays
 from ipcli.inverse.regularize.fidelity import Observations
 from ipcli.inverse.regularize.parameters import Solver
-from ipcli.models.fusion.alternation import History
 from ipcli.models.fusion.confidence import LEAST, view_angle
-from ipcli.models.fusion.fuse import balanced_lambda, fuse, solve
-from ipcli.models.fusion.observations import measure
+from ipcli.models.fusion.fuse import balanced_lambda, fuse, fuse_layers
 from ipcli.models.fusion.parameters import METHODS, Confidence, Fusion
 from ipcli.models.fusion.reprojection import reproject_all
 from tests.fusion_scenes import camera, cast, pose_at, scaled, scene
@@ -67,9 +65,8 @@ def test_the_confidence_is_0_exactly_where_nothing_was_observed(method):
 def test_a_prior_confidence_divides_the_rate_where_the_surface_turns_away():
     """The wall faces the camera; at the rim of the ball the surface turns from it, and so does what is expected of the data."""
     layers = reproject_all(scene(), scene()[2])
-    units, history = measure(layers.depth, inverse=False), History()
-    x, settings = units.normalise(layers.depth), Fusion(method="adapt-hprior", solver=QUICK)
-    _, problem = solve(x, Observations.of(x), METHODS["adapt-hprior"], settings, units, scene()[2], history)
+    settings = Fusion(method="adapt-hprior", solver=QUICK)
+    problem = fuse_layers(layers, scene()[2], settings, inverse=False).problem
     raised = problem.rate / settings.confidence.rate
     angle = view_angle(cast((60, 80), camera((60, 80)), scene()[2].cam_from_world), camera((60, 80)))
     assert 1 <= raised.min() and raised.max() <= 1 / LEAST + 1e-3
@@ -187,6 +184,14 @@ def test_the_automatic_lambda_is_one_over_the_square_root_of_the_number_of_views
     layers = np.zeros((k, 5, 6), np.float32)
     assert balanced_lambda(Observations.of(layers), METHODS["tgv-l1"]) == pytest.approx(k**-0.5)
     assert balanced_lambda(Observations.of(layers), METHODS["rof-median"]) == pytest.approx(k**0.5)
+
+
+def test_the_automatic_lambda_is_that_of_the_median_observation_whatever_few_views_see_around():
+    """Four views cover the middle of the image, one alone the rest, twice as many pixels."""
+    layers = np.full((4, 6, 10), np.nan, np.float32)
+    layers[0] = 1.0
+    layers[:, :2] = 1.0
+    assert balanced_lambda(Observations.of(layers), METHODS["tgv-l1"]) == 0.5
 
 
 def test_the_automatic_lambda_makes_the_scale_of_given_confidences_mean_nothing():

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from ipcli.models.fusion.metrics import compare, depth_errors, disparity_errors, interpolate_background, normal_error
+from ipcli.models.fusion.metrics import ause, compare, depth_errors, disparity_errors, interpolate_background, normal_error
 from tests.fusion_scenes import camera
 
 
@@ -101,3 +101,23 @@ def test_background_interpolation_is_that_of_the_kitti_development_kit(disparity
 
 def test_nothing_stays_nothing():
     assert np.isnan(interpolate_background(np.full((3, 4), np.nan))).all()
+
+
+def test_the_ause_of_three_pixels_by_hand():
+    """Kept in the order given: 3, 2, 4/3; at best 0, 1/2, 4/3. The mean error is 4/3."""
+    error, confidence = np.array([-3.0, 1, 0, np.nan]), np.array([9.0, 5, 1, 7])
+    assert ause(confidence, error) == pytest.approx((3 + 1.5 + 0) / 3 / (4 / 3))
+    assert ause(np.array([1.0, 5, 9, 0]), error) == 0
+    assert ause(np.ones(4), error) == pytest.approx((4 / 3 + 4 / 3 - 1 / 2 + 0) / 3 / (4 / 3))  # equal: as at random
+    assert np.isnan(ause(confidence, np.full(4, np.nan))) and ause(confidence, np.zeros(4)) == 0
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_no_order_is_better_than_that_of_the_error_nor_worse_than_its_inverse_and_chance_lies_between(seed):
+    rng = np.random.default_rng(seed)
+    error = rng.exponential(size=400)
+    best, worst, even = ause(-error, error), ause(error, error), ause(np.ones(400), error)
+    shuffled = np.mean([ause(rng.random(400), error) for _ in range(60)])
+    assert best == 0 < ause(rng.random(400), error) < worst
+    assert shuffled == pytest.approx(even, rel=0.1)
+    assert ause(-(error**2), error) == ause(-error, error)  # the order alone counts

@@ -1,0 +1,27 @@
+"""`ipcli merge-depth`: one cloud of a whole sequence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ipcli.cli import options
+from ipcli.params import Run
+from ipcli.stages.merge_depth import Params
+
+
+@click.command("merge-depth")
+@click.argument("files", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Cloud to write, such as X.ply.")
+@options.parameters(Params)
+@options.common
+def main(files: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
+    """Join fused depth maps (FILES, of `fuse-depth --all`) into one coloured cloud of what enough of them agree on.
+
+    Written are the cloud (.ply), the artefact that vouches for it (.h5) and a page to open (.html).
+    """
+    from ipcli.stages import merge_depth
+
+    merge_depth.run(files, output, params, run)
+    options.conclude(output, run)
