@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipcli.geometry.surface import normals
 from ipcli.report import accuracy, curves, pictures, surface
 from ipcli.report.numbers import aligned, finite, number, percent, with_unit
 from ipcli.report.page import (
@@ -177,7 +178,7 @@ def _confidence_scale(confidence: np.ndarray) -> Scale:
 def _surface(look: Look) -> Markup:
     a, widest = look.arrays, look.widest
     light = surface.shade(a["normals"], a["intrinsics"])
-    before = surface.shade(surface.normals(a["median"], a["intrinsics"]), a["intrinsics"])
+    before = surface.shade(normals(a["median"], a["intrinsics"]), a["intrinsics"])
     turned = surface.oblique(a["depth"], a["intrinsics"], light, a.get("image"))
     shown = [
         figure(draw(before, surface.SHADE, min(widest, 480)), "Median, shaded", "normals by differences"),

@@ -1,4 +1,4 @@
-"""Depth maps as surfaces: normals, shading under two lights, and the view from a camera that is turned aside."""
+"""Depth maps as surfaces: shading under two lights, and the view from a camera that is turned aside."""
 
 from __future__ import annotations
 
@@ -17,16 +17,6 @@ YAW, PITCH = -28.0, 14.0  # degrees from which the turned camera looks
 POINTS = 180_000  # more are thinned before splatting
 STEEPEST = 6.0  # tangent of the angle to the optical axis beyond which a surface counts as a depth edge
 SHADE = Scale(0.0, 1.0, "clay")
-
-
-def normals(depth: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
-    """Unit normals (h, w, 3) towards the camera by central differences; NaN beside missing depth."""
-    points = back_project(depth, intrinsics).astype(np.float32)
-    across, down = np.full_like(points, np.nan), np.full_like(points, np.nan)
-    across[:, 1:-1] = points[:, 2:] - points[:, :-2]
-    down[1:-1] = points[2:] - points[:-2]
-    normal = np.cross(down, across)  # x right, y down: down x across points back at the camera
-    return normal / np.linalg.norm(normal, axis=2, keepdims=True)
 
 
 def shade(normals: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:

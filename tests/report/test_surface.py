@@ -16,14 +16,6 @@ def plane(normal: np.ndarray, distance: float) -> np.ndarray:
     return -distance / (rays @ normal)
 
 
-@given(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))
-def test_normals_of_a_plane(x, y):
-    normal = np.array([x, y, -1.5])
-    normal /= np.linalg.norm(normal)
-    found = surface.normals(plane(normal, 2.0), INTRINSICS)
-    np.testing.assert_allclose(found[1:-1, 1:-1], np.broadcast_to(normal, (46, 62, 3)), atol=2e-4)
-
-
 def test_shading_is_brightest_towards_the_lights_and_missing_without_a_normal():
     towards = {"light": surface.KEY + (0, 0, -0.5), "front": (0, 0, -1.0), "away from the light": (0.8, 0.8, -0.5)}
     normals = np.array(
