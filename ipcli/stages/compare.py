@@ -56,14 +56,15 @@ def measures(path: Path, columns: list[str] | None) -> tuple[list[str], dict[str
     """Columns, and the figures of each method, of a fused map; the columns must be those given, if any."""
     from ipcli.io import h5
 
-    wanted = ("metrics", "metric_rows", "metric_columns", "method", "lambda")
-    arrays = h5.read(path, "depth", only=lambda name: name in wanted).arrays
+    wanted = ("metrics", "metric_rows", "metric_columns", "method")
+    artefact = h5.read(path, "depth", only=lambda name: name in wanted)
+    arrays, lam = artefact.arrays, artefact.provenance["params"]["fusion"]["lam"]
     if "metrics" not in arrays:
         raise FormatError(path, "holds no error measures", fix="Fuse views whose reference has a truth")
     found = [str(name) for name in arrays["metric_columns"]]
     if columns is not None and found != columns:
         raise FormatError(path, "has other measures than the files before it", expected=columns, got=found)
-    own = f"{arrays['method']}, λ = {float(arrays['lambda']):g}"
+    own = str(arrays["method"]) if lam is None else f"{arrays['method']}, λ = {lam:g}"  # the automatic λ is part of the method
     names = (str(name).replace("fused", own) for name in arrays["metric_rows"])
     return found, dict(zip(names, arrays["metrics"], strict=True))
 
