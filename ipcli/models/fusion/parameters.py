@@ -41,7 +41,7 @@ class Confidence:
     """Hyper-parameters of the confidence L in (4.3), all relative to the noise scale of the observations.
 
     The defaults make the prior worth 20 observations at the noise scale: a confidence from K observations alone varies by
-    1/sqrt(K) where the noise does not, which costs more than it gains (docs/fuse-depth.md has the figures). The thesis'
+    1/sqrt(K) where the noise does not, which cost more than it gained on the development scenes. The thesis'
     code takes shape 1.5 and rate 0.1, in the unit of the depth.
     """
 
