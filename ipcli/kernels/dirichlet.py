@@ -1,0 +1,384 @@
+"""Collapsed Gibbs sampling and split-merge moves for a Dirichlet process mixture of Gaussians with a Normal-Wishart base.
+
+The base measure is S ~ Wishart(beta, psi^-1), mu | S ~ N(xi, (rho S)^-1); means and precisions are integrated out. Clusters stand
+side by side along the last axis of every array, so that all of them are asked about a point in one vector loop. Slot 0 is
+the empty cluster, whose predictive is that of the base measure; slots 1, 2, ... hold the clusters 0, 1, ... of the labels.
+"""
+
+from collections import namedtuple
+import math
+
+from numba import njit
+import numpy as np
+
+LANES = 4  # slots are asked about a point in whole vectors of so many
+WEAK = 1e-10  # share of a squared pivot that must remain, or else a cluster is built anew from its members
+PRIOR = 0
+
+# mean (d, slots); chol (d, d, slots), lower, of Psi_n; inverse (d, slots), of its diagonal; work (d, slots) and the rest (slots,)
+Clusters = namedtuple("Clusters", "count mean chol inverse logdet constant exponent ratio work score")
+# xi (d,), chol (d, d) of psi, log1p table of the counts: predictive (n + 2,) and marginal (n + 1,)
+Base = namedtuple("Base", "xi rho beta chol predictive marginal")
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _lgamma_ratio(b, d):
+    """log Gamma_d((b + 1) / 2) / Gamma_d(b / 2), which telescopes to two terms."""
+    return math.lgamma(0.5 * (b + 1)) - math.lgamma(0.5 * (b + 1 - d))
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _base(xi, rho, beta, chol, alpha, n):
+    """The base measure with its tables, by the number m of points in a cluster.
+
+    predictive[m]: log of the weight (m, or alpha if empty) times the constant of the t density; marginal[m]: log density of
+    m points together without the powers of |Psi|.
+    """
+    d = xi.shape[0]
+    predictive, marginal = np.empty(n + 2), np.zeros(n + 2)
+    for m in range(n + 2):
+        r, b = rho + m, beta + m
+        constant = _lgamma_ratio(b, d) - 0.5 * d * math.log(math.pi * (r + 1) / r)
+        predictive[m] = math.log(m if m > 0 else alpha) + constant
+        if m < n + 1:
+            marginal[m + 1] = marginal[m] + constant
+    return Base(xi, rho, beta, chol, predictive, marginal)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _allocate(d, slots):
+    slots = (slots + LANES - 1) // LANES * LANES
+    return Clusters(
+        np.zeros(slots, np.int64), np.zeros((d, slots)), np.zeros((d, d, slots)), np.ones((d, slots)), np.zeros(slots),
+        np.full(slots, -np.inf), np.zeros(slots), np.ones(slots), np.zeros((d, slots)), np.zeros(slots),
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _copy_slot(to, k, source, j):
+    to.count[k] = source.count[j]
+    to.mean[:, k] = source.mean[:, j]
+    to.chol[:, :, k] = source.chol[:, :, j]
+    to.inverse[:, k] = source.inverse[:, j]
+    to.logdet[k] = source.logdet[j]
+    to.constant[k] = source.constant[j]
+    to.exponent[k] = source.exponent[j]
+    to.ratio[k] = source.ratio[j]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _grown(clusters):
+    """The same clusters with room for twice as many."""
+    old = clusters.count.shape[0]
+    more = _allocate(clusters.mean.shape[0], 2 * old)
+    for k in range(old):
+        _copy_slot(more, k, clusters, k)
+    return more
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _weigh(clusters, k, base):
+    """Set what the predictive of slot k takes from its count and determinant."""
+    m = clusters.count[k]
+    clusters.constant[k] = base.predictive[m] - 0.5 * clusters.logdet[k]
+    clusters.exponent[k] = 0.5 * (base.beta + m + 1)
+    clusters.ratio[k] = (base.rho + m) / (base.rho + m + 1)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _open(clusters, k, base):
+    """Make slot k the empty cluster."""
+    d = base.xi.shape[0]
+    clusters.count[k] = 0
+    clusters.logdet[k] = 0.0
+    for i in range(d):
+        clusters.mean[i, k] = base.xi[i]
+        clusters.inverse[i, k] = 1 / base.chol[i, i]
+        clusters.logdet[k] += 2 * math.log(base.chol[i, i])
+        for j in range(i + 1):
+            clusters.chol[i, j, k] = base.chol[i, j]
+    _weigh(clusters, k, base)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _close(clusters, k):
+    """Give slot k up: no point will choose it."""
+    clusters.count[k] = 0
+    clusters.constant[k] = -np.inf
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _rotate(clusters, k, v, sign):
+    """Cholesky factor of L L' + sign v v' in slot k, and its log determinant; v is spent. False if that is not safe."""
+    d = v.shape[0]
+    chol, growth = clusters.chol, 1.0
+    for j in range(d):
+        s = v[j] * clusters.inverse[j, k]
+        c = 1 + sign * s * s
+        if c < WEAK:
+            return False
+        growth *= c
+        c = math.sqrt(c)
+        chol[j, j, k] *= c
+        clusters.inverse[j, k] = 1 / chol[j, j, k]
+        back = 1 / c
+        for i in range(j + 1, d):
+            moved = (chol[i, j, k] + sign * s * v[i]) * back
+            v[i] = c * v[i] - s * moved
+            chol[i, j, k] = moved
+    clusters.logdet[k] += math.log(growth)
+    return True
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _add(clusters, k, x, base, v):
+    """Put the point x (d,) into slot k; v (d,) is scratch."""
+    r = base.rho + clusters.count[k]
+    root, step = math.sqrt(r / (r + 1)), 1 / (r + 1)
+    for i in range(x.shape[0]):
+        off = x[i] - clusters.mean[i, k]
+        v[i] = root * off
+        clusters.mean[i, k] += step * off
+    clusters.count[k] += 1
+    _rotate(clusters, k, v, 1.0)
+    _weigh(clusters, k, base)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _take(clusters, k, x, base, v):
+    """Take the point x out of slot k. False if rounding forbids it; the slot is then to be built anew."""
+    clusters.count[k] -= 1
+    r = base.rho + clusters.count[k]
+    root, step = math.sqrt(r / (r + 1)), 1 / r
+    for i in range(x.shape[0]):
+        clusters.mean[i, k] -= step * (x[i] - clusters.mean[i, k])
+        v[i] = root * (x[i] - clusters.mean[i, k])
+    if not _rotate(clusters, k, v, -1.0):
+        return False
+    _weigh(clusters, k, base)
+    return True
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _rebuild(clusters, k, x, z, label, base, v):
+    """Build slot k from the points of that label."""
+    _open(clusters, k, base)
+    for i in range(x.shape[0]):
+        if z[i] == label:
+            _add(clusters, k, x[i], base, v)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _ask(clusters, slots, x):
+    """Set score[k], log weight times predictive density of x (d,), for all slots up to a multiple of LANES; give the greatest."""
+    d, slots = x.shape[0], (slots + LANES - 1) // LANES * LANES
+    score = clusters.score
+    for k in range(slots):
+        score[k] = 0.0
+    for j in range(d):
+        u, mean, inverse = clusters.work[j], clusters.mean[j], clusters.inverse[j]
+        for k in range(slots):
+            u[k] = x[j] - mean[k]
+        for i in range(j):
+            row, known = clusters.chol[j, i], clusters.work[i]
+            for k in range(slots):
+                u[k] -= row[k] * known[k]
+        for k in range(slots):
+            u[k] *= inverse[k]
+            score[k] += u[k] * u[k]
+    greatest = -np.inf
+    for k in range(slots):
+        score[k] = clusters.constant[k] - clusters.exponent[k] * math.log1p(clusters.ratio[k] * score[k])
+        greatest = max(greatest, score[k])
+    return greatest
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _choose(clusters, slots, greatest, rng):
+    """A slot drawn with probability proportional to exp(score)."""
+    total = 0.0
+    for k in range(slots):
+        total += math.exp(clusters.score[k] - greatest)
+        clusters.score[k] = total
+    threshold = rng.random() * total
+    k = 0
+    while clusters.score[k] <= threshold and k < slots - 1:
+        k += 1
+    return k
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _compact(z, clusters, slots):
+    """Number the clusters of the labels 0, 1, ... without gaps, in their order; the number of clusters."""
+    new, k = np.empty(slots, np.int64), 0
+    for slot in range(1, slots):
+        new[slot] = k
+        k += clusters.count[slot] > 0
+    for i in range(z.shape[0]):
+        z[i] = new[z[i] + 1]
+    return k
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _gather(x, z, base, k):
+    """The clusters of the labels, with room for some more."""
+    clusters, v = _allocate(x.shape[1], k + 1 + 2 * LANES), np.empty(x.shape[1])
+    for slot in range(k + 1):
+        _open(clusters, slot, base)
+    for i in range(x.shape[0]):
+        _add(clusters, z[i] + 1, x[i], base, v)
+    return clusters
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def sweep(x, z, k, xi, rho, beta, chol, alpha, rng):
+    """One scan of Neal's Algorithm 3 over the points x (n, d): labels z (n,) of k clusters, in place; the new k."""
+    n, d = x.shape
+    base = _base(xi, rho, beta, chol, alpha, n)
+    clusters, slots, v = _gather(x, z, base, k), k + 1, np.empty(d)
+    free, gone = np.empty(n + 1, np.int64), 0  # slots given up, to be used again
+    for i in range(n):
+        slot = z[i] + 1
+        z[i] = -1
+        if clusters.count[slot] == 1:
+            _close(clusters, slot)
+            free[gone] = slot
+            gone += 1
+        elif not _take(clusters, slot, x[i], base, v):
+            _rebuild(clusters, slot, x, z, slot - 1, base, v)
+        slot = _choose(clusters, slots, _ask(clusters, slots, x[i]), rng)
+        if slot == PRIOR:
+            if gone:
+                gone -= 1
+                slot = free[gone]
+            else:
+                slot = slots
+                slots += 1
+                if slots > clusters.count.shape[0]:
+                    clusters = _grown(clusters)
+            _open(clusters, slot, base)
+        _add(clusters, slot, x[i], base, v)
+        z[i] = slot - 1
+    return _compact(z, clusters, slots)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _log_marginal(clusters, slot, base):
+    """log density of the points in the slot together, less what depends on the base alone."""
+    m = clusters.count[slot]
+    return base.marginal[m] - 0.5 * (base.beta + m) * clusters.logdet[slot]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _which(clusters, x, forced, rng):
+    """(side, log probability of that side) of a point between slots 1 and 2: drawn, or `forced` if that is not 0."""
+    _ask(clusters, 3, x)
+    a, b = clusters.score[1], clusters.score[2]
+    log_total = max(a, b) + math.log1p(math.exp(-abs(a - b)))
+    side = forced
+    if side == 0:
+        side = 1 if math.log(1 - rng.random()) < a - log_total else 2
+    return side, (a if side == 1 else b) - log_total
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _members(z, i, j, rng):
+    """The points other than i and j of their clusters, in random order."""
+    members, m = np.empty(z.shape[0], np.int64), 0
+    for p in range(z.shape[0]):
+        if p != i and p != j and (z[p] == z[i] or z[p] == z[j]):
+            at = int(rng.random() * (m + 1))
+            members[m] = members[at]
+            members[at] = p
+            m += 1
+    return members[:m]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _rescan(pair, x, members, side, target, base, v, rng):
+    """A restricted scan over the members; towards the sides `target` if it holds any.
+
+    The log probability of its outcome; NaN if rounding forbids a step, and then the move is to be rejected.
+    """
+    log_probability = 0.0
+    for m in range(members.shape[0]):
+        point = x[members[m]]
+        if side[m] and not _take(pair, side[m], point, base, v):
+            return np.nan
+        side[m], log_p = _which(pair, point, target[m], rng)
+        log_probability += log_p
+        _add(pair, side[m], point, base, v)
+    return log_probability
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _log_split(x, z, i, j, members, base, log_alpha, scans, rng):
+    """(sides of the members, log ratio of the proposal to split minus that to merge back) for seeds i and j.
+
+    If i and j are apart already, the sides are theirs and the ratio is that of the split that would lead there.
+    """
+    d = x.shape[1]
+    pair, v = _allocate(d, 4), np.empty(d)
+    for slot in range(1, 4):
+        _open(pair, slot, base)
+    _add(pair, 1, x[i], base, v)
+    _add(pair, 2, x[j], base, v)
+    _add(pair, 3, x[i], base, v)
+    _add(pair, 3, x[j], base, v)
+    side, target = np.zeros(members.shape[0], np.int64), np.zeros(members.shape[0], np.int64)
+    for _ in range(1 + scans):
+        if math.isnan(_rescan(pair, x, members, side, target, base, v, rng)):
+            return side, np.nan
+    for m in range(members.shape[0]):
+        if z[i] != z[j]:
+            target[m] = 1 if z[members[m]] == z[i] else 2
+        _add(pair, 3, x[members[m]], base, v)
+    log_q = _rescan(pair, x, members, side, target, base, v, rng)
+    a, b = pair.count[1], pair.count[2]
+    log_prior = log_alpha + math.lgamma(a) + math.lgamma(b) - math.lgamma(a + b)
+    # The factor |psi|^(beta / 2) of the base, one a cluster, is in none of the marginals: once more in the split.
+    log_base = 0.0
+    for p in range(d):
+        log_base += base.beta * math.log(base.chol[p, p])
+    log_fit = _log_marginal(pair, 1, base) + _log_marginal(pair, 2, base) - _log_marginal(pair, 3, base) + log_base
+    return side, log_prior + log_fit - log_q
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def split_merge(x, z, k, xi, rho, beta, chol, alpha, moves, scans, rng):
+    """Split-merge moves (Jain and Neal 2004) in place; (the new k, splits accepted, merges accepted).
+
+    The launch state is dealt out one by one (as Dahl 2005), in random order, before its `scans` restricted scans: it depends on
+    the seeds and the members alone, so that the ratio of the proposals is that of the last scan.
+    """
+    n = x.shape[0]
+    splits, merges = 0, 0
+    base = _base(xi, rho, beta, chol, alpha, n)
+    for _ in range(moves if n > 1 else 0):
+        i = int(rng.random() * n)
+        j = int(rng.random() * (n - 1))
+        j += j >= i
+        members = _members(z, i, j, rng)
+        side, log_ratio = _log_split(x, z, i, j, members, base, math.log(alpha), scans, rng)
+        is_split = z[i] == z[j]
+        if not math.log(1 - rng.random()) < (log_ratio if is_split else -log_ratio):
+            continue
+        if is_split:
+            z[j] = k
+            for m in range(members.shape[0]):
+                if side[m] == 2:
+                    z[members[m]] = k
+            k += 1
+            splits += 1
+        else:
+            into, freed = z[i], z[j]
+            for p in range(n):
+                if z[p] == freed:
+                    z[p] = into
+            k -= 1
+            if freed != k:
+                for p in range(n):
+                    if z[p] == k:
+                        z[p] = freed
+            merges += 1
+    return k, splits, merges
