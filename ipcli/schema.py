@@ -275,4 +275,24 @@ CLOUD = Kind(
     ),
 )
 
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (VIEWS, DEPTH, COMPARISON, CLOUD)}
+CLIPS = Kind(
+    "clips",
+    1,
+    "Labelled clips of motion of one skeleton, their frames one clip after the other. World: right-handed, y up.",
+    (
+        Field("clips", "str", ("c",), "", "Name of each clip"),
+        Field("labels", "str", ("c",), "", "Action of each clip; empty where unknown"),
+        Field("actors", "str", ("c",), "", "Who moves; empty where unknown"),
+        Field("frames", "int64", ("c",), "1", "Frames of each clip; they add up to n", domain=Domain(">= 1", 1.0)),
+        Field("rates", "float64", ("c",), "Hz", "Frames a second of each clip", domain=Domain("finite, > 0", 0.0, closed=False)),
+        Field("joints", "str", ("j",), "", "Name of each joint"),
+        Field("parents", "int64", ("j",), "1", "Index of the parent of each joint; -1 none", domain=Domain(">= -1", -1.0)),
+        Field("positions", "float32", ("n", "j", 3), "m", "Joints in the world", domain=Domain("finite, or NaN where not seen", nan=True)),
+        Field("rotations", "float32", ("n", "j", 4), "1", "Quaternion x, y, z, w of world_from_bone; NaN unknown", optional=True),
+        Field("frame_labels", "str", ("n",), "", "Action in each frame; empty where unknown", optional=True),
+        Field("split_names", "str", ("s",), "", "Published splits of the data set", optional=True),
+        Field("splits", "int8", ("s", "c"), "1", "1: clip to train on, 2: to test on, 0: neither", optional=True),
+    ),
+)
+
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (VIEWS, DEPTH, COMPARISON, CLOUD, CLIPS)}

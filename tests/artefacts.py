@@ -33,7 +33,7 @@ def values(field, shape):
 
 def elements(field):
     if np.dtype(field.dtype).kind != "f":
-        return None
+        return None if field.domain is None else st.integers(int(field.domain.low), np.iinfo(field.dtype).max)
     width = 8 * np.dtype(field.dtype).itemsize
     domain = field.domain
     if domain is None:

@@ -74,13 +74,13 @@ def test_imports_go_downward_only(path):
 
 
 @each_module
-def test_commands_do_not_import_each_other_and_io_knows_of_geometry_the_cameras_only(path):
+def test_commands_do_not_import_each_other_and_io_knows_of_geometry_cameras_and_skeletons_only(path):
     here = floor(name_of(path))
     own = [dotted for dotted in imports(ast.walk(tree(path))) if dotted.startswith("ipcli.")]
     if here == "cli" and path.stem != "main":
         assert all(d.startswith("ipcli.cli.options") or d == "ipcli.cli.options" for d in own if floor(d) == "cli")
     if here == "io":
-        assert all(d.startswith("ipcli.geometry.cameras") for d in own if floor(d) == "geometry")
+        assert all(d.startswith(("ipcli.geometry.cameras", "ipcli.geometry.skeleton")) for d in own if floor(d) == "geometry")
 
 
 @each_module

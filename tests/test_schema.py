@@ -12,7 +12,7 @@ KINDS = list(schema.KINDS.values())
 
 def example(kind):
     """A sound artefact with every optional field."""
-    lengths = {"h": 2, "w": 3, "k": 2, "th": 1, "tw": 1, "n": 4, "m": 2, "c": 3, "s": 2}
+    lengths = {"h": 2, "w": 3, "k": 2, "th": 1, "tw": 1, "n": 4, "m": 2, "c": 3, "s": 2, "j": 2}
     arrays = {}
     for field in kind.fields:
         shape = tuple(dim if isinstance(dim, int) else lengths[dim] for dim in field.dims)
@@ -69,6 +69,7 @@ def test_lengths_that_disagree_name_the_other_field(kind):
         "depth": ("depth", "confidence", "w"),
         "comparison": ("methods", "values", "m"),
         "cloud": ("maps", "map_points", "m"),
+        "clips": ("clips", "labels", "c"),
     }[kind.name]
     axis = kind.field(other)[0].dims.index(dim)
     length = arrays[first].shape[-1]

@@ -31,6 +31,7 @@ class Command(NamedTuple):
 COMMANDS = {
     "compare": Command("ipcli.cli.compare:main", "Compare methods by their errors over scenes."),
     "fuse-depth": Command("ipcli.cli.fuse_depth:main", "Fuse depth maps of several views into one.", is_script=True),
+    "import-clips": Command("ipcli.cli.import_clips:main", "Turn motion capture files into one file of labelled clips."),
     "import-views": Command("ipcli.cli.import_views:main", "Turn a folder of depth maps and poses into one views file."),
     "info": Command("ipcli.cli.info:main", "Tell what a file holds and how it was made."),
     "kitti-views": Command("ipcli.cli.kitti_views:main", "Make views of KITTI stereo pairs."),

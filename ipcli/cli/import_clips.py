@@ -1,0 +1,35 @@
+"""`ipcli import-clips`: motion capture files as one file of labelled clips."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ipcli.cli import options
+from ipcli.params import Run
+from ipcli.stages.import_clips import Params
+
+
+@click.command("import-clips")
+@click.argument("source", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="The clips artefact to write, such as X.clips.h5.",
+)
+@options.parameters(Params)
+@options.common
+def main(source: Path, output: Path, params: Params, run: Run) -> None:
+    """Turn SOURCE into one clips artefact.
+
+    SOURCE is a motion file, a folder or a tar archive of them (labelled by manifest.csv, by HDM05 names, or by folders
+    LABEL/ACTOR/), one of the Kinect sets Florence 3D Actions and UTKinect-Action, or another clips artefact.
+    """
+    from ipcli.stages import import_clips
+
+    with options.progress("import-clips", run) as tell:
+        import_clips.run(source, output, params, run, tell)
+    options.conclude(output, run)
