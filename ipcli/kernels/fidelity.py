@@ -22,53 +22,6 @@ def _relax(x, x_bar, rho):
         x[j] += rho * step
 
 
-@njit(cache=True, error_model="numpy")
-def _lower_once(new, centre, step, slope, drop, d):
-    """One of the K corrections of `prox_l1` to a row: `slope` less `drop` is the slope beyond the observations d."""
-    for j in range(new.shape[0]):
-        candidate = centre[j] + step[j] * (slope[j] - drop)
-        candidate = d[j] if d[j] > candidate else candidate
-        new[j] = candidate if candidate < new[j] else new[j]
-
-
-@njit(cache=True, error_model="numpy")
-def _lower_twice(new, centre, step, slope, drop, d, e):
-    """Two corrections in one pass over the row, for weights of 1: by d, then by e, whose slope is 2 less."""
-    for j in range(new.shape[0]):
-        here = slope[j] - drop
-        by_d, by_e = centre[j] + step[j] * here, centre[j] + step[j] * (here - TWO)
-        by_d = d[j] if d[j] > by_d else by_d
-        by_e = e[j] if e[j] > by_e else by_e
-        lower = by_d if by_d < by_e else by_e
-        new[j] = lower if lower < new[j] else new[j]
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def prox_l1(x, x_bar, y, stack, weights, total, scale, tau, rho):
-    """Proximal map of tau scale sum_k w_k |x - d_k| at y, exact.
-
-    With slopes s_m = total - 2 (w_(1) + ... + w_(m)), start from y + t s_0 and take x = min(x, max(d_(m), y + t s_m)) for
-    m = 1..K (the median formula of Li and Osher, 2009, in the order of the sorted data). Missing data change nothing.
-    """
-    h, k, w = stack.shape
-    for i in range(h):
-        new, centre, step = x_bar[i], y[i], tau * scale[i]
-        slope = total[i].copy()
-        for j in range(w):
-            new[j] = centre[j] + step[j] * slope[j]
-        if weights is None:
-            for m in range(0, k - 1, 2):
-                _lower_twice(new, centre, step, slope, np.float32(2 * m + 2), stack[i, m], stack[i, m + 1])
-            if k % 2:
-                _lower_once(new, centre, step, slope, np.float32(2 * k), stack[i, k - 1])
-        else:
-            for m in range(k):
-                for j in range(w):
-                    slope[j] -= TWO * weights[i, m, j]
-                _lower_once(new, centre, step, slope, ZERO, stack[i, m])
-        _relax(x[i], new, rho)
-
-
 @njit(cache=True, error_model="numpy", nogil=True)
 def prox_l2(x, x_bar, y, mean, total, scale, tau, rho):
     """Proximal map of tau scale sum_k w_k (x - d_k)^2 / 2 at y, from the weighted mean of the d_k."""

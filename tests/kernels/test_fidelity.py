@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from ipcli.inverse.regularize import proximal
 from ipcli.kernels import fidelity as kernels
+from ipcli.kernels import iteration
 
 QUARTERS = st.integers(-40, 40).map(lambda n: n / 4)  # few values, so that observations tie
 RHO = np.float32(1.5)
@@ -64,7 +65,7 @@ def stepped(kernel, case, *middle):
 
 
 def l1(case, tau):
-    return stepped(kernels.prox_l1, case, case.stack, case.kernel_weights, case.total, case.scale, np.float32(tau))
+    return stepped(iteration.prox_l1, case, case.stack, case.kernel_weights, case.total, case.scale, np.float32(tau))
 
 
 @given(cases(), st.sampled_from([0.125, 0.5, 2.0]))

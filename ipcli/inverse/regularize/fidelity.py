@@ -20,6 +20,9 @@ class Fidelity(Protocol):
     def prox(self, x: np.ndarray, x_bar: np.ndarray, y: np.ndarray, tau: float, rho: float) -> None:
         """With z = prox_{tau f}(y): x_bar <- 2 z - x, then x <- x + rho (z - x), in place."""
 
+    def l1_terms(self) -> tuple[np.ndarray, np.ndarray | None, np.ndarray, np.ndarray] | None:
+        """(stack, weights, total, scale) where f is sum_i scale_i sum_k w_ik |x_i - d_ik|, whose iterations have a kernel, or None."""
+
     def energy(self, x: np.ndarray) -> np.ndarray:
         """f(x), summed over each row: (h,) float64."""
 
@@ -105,14 +108,18 @@ class AbsoluteDeviations:
         return AbsoluteDeviations(self.data.rows(top, bottom), self.scale[top:bottom], self.width)
 
     def prox(self, x, x_bar, y, tau, rho):
-        from ipcli.kernels import fidelity as kernels
+        from ipcli.kernels import fidelity, iteration
 
         d, tau, rho = self.data, np.float32(tau), np.float32(rho)
         if self.width:
             width = np.float32(self.width)
-            kernels.prox_huber(x, x_bar, y, d.stack, d.weights, d.total, d.count, self.scale, width, tau, rho)
+            fidelity.prox_huber(x, x_bar, y, d.stack, d.weights, d.total, d.count, self.scale, width, tau, rho)
         else:
-            kernels.prox_l1(x, x_bar, y, d.stack, d.weights, d.total, self.scale, tau, rho)
+            iteration.prox_l1(x, x_bar, y, d.stack, d.weights, d.total, self.scale, tau, rho)
+
+    def l1_terms(self):
+        d = self.data
+        return None if self.width else (d.stack, d.weights, d.total, self.scale)
 
     def deviation(self, x: np.ndarray) -> np.ndarray:
         """sum_k w_k huber(x - d_k), (h, w): the data term without its scale."""
@@ -158,6 +165,9 @@ class SquaredDeviations:
 
         kernels.prox_l2(x, x_bar, y, self.mean, self.total, self.scale, np.float32(tau), np.float32(rho))
 
+    def l1_terms(self):
+        return None
+
     def deviation(self, x: np.ndarray) -> np.ndarray:
         """sum_k w_k (x - d_k)^2 / 2, (h, w): the data term without its scale."""
         return self.total * (x - self.mean) ** 2 / 2 + self.spread
@@ -189,6 +199,9 @@ class Anchored:
         y *= share
         y += (1 - share) * self.anchor
         self.inner.prox(x, x_bar, y, float(share) * tau, rho)
+
+    def l1_terms(self):
+        return None
 
     def energy(self, x):
         return self.inner.energy(x) + self._distance(x)

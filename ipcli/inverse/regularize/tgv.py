@@ -26,6 +26,7 @@ SLOPE_MARGIN = 1.5
 NEIGHBOURHOOD = 31  # pixels
 BALANCE = 150.0  # step ratio times spread that does best, within a factor of two, on indoor, stereo and generated depth
 TOGETHER = 16  # iterations that a block of rows does by itself, with as many rows of its neighbours
+AT_ONCE = 8  # of them, in one pass over the rows: few enough that the rows in between stay in the cache
 
 
 @dataclass(eq=False)
@@ -59,6 +60,7 @@ class Iterate:
         from ipcli.kernels import threads
 
         solver = self.balanced(solver)
+        regulariser = replace(regulariser, alpha1=plane(regulariser.alpha1, self.x.shape))
         bounds = threads.blocks(self.x.shape[0], least=2 * TOGETHER)
         blocks = threads.each(lambda rows: _Block(self, fidelity, *rows, halo=TOGETHER if len(bounds) > 1 else 0), bounds)
         for start in range(0, len(relaxations), TOGETHER):
@@ -103,13 +105,19 @@ class _Block:
         self.y, self.x_bar, self.v_bar = np.empty_like(x[0]), np.empty_like(x[0]), np.empty_like(duals[0])
 
     def iterate(self, regulariser: Regulariser, solver: Solver, relaxations: Sequence[float]) -> None:
-        """One iteration for each of the relaxations, at the steps tau = 1 / (|K| weight) and sigma = weight / |K|."""
-        from ipcli.kernels import tgv as kernels
+        """One iteration for each of the relaxations, at the steps tau = 1 / (|K| weight) and sigma = weight / |K|; alpha1 (h, w)."""
+        from ipcli.kernels import iteration as kernels
 
         tau, sigma = np.float32(0.99 / (NORM * solver.primal_weight)), np.float32(0.99 * solver.primal_weight / NORM)
         tau_v = tau if regulariser.order == 2 else np.float32(0)  # order 1: v never leaves zero
-        alpha1, alpha0 = np.float32(regulariser.alpha1), np.float32(regulariser.alpha0)
         x, v, p, q = self.part.x, self.part.v, self.part.p, self.part.q
+        alpha1, alpha0 = regulariser.alpha1[self.first : self.first + len(x)], np.float32(regulariser.alpha0)
+        l1 = self.fidelity.l1_terms()
+        if l1 is not None:
+            for start in range(0, len(relaxations), AT_ONCE):
+                rhos = np.array(relaxations[start : start + AT_ONCE], np.float32)
+                kernels.sweep_l1(x, v, p, q, *l1, (tau, tau_v, sigma), alpha1, alpha0, rhos)
+            return
         for rho in map(np.float32, relaxations):
             kernels.primal_descent(self.y, v, self.v_bar, x, p, q, tau, tau_v, rho)
             self.fidelity.prox(x, self.x_bar, self.y, tau, rho)
@@ -129,6 +137,13 @@ class _Block:
                 planes[:, self.top : self.bottom] = mine[:, self.top - self.first : self.bottom - self.first]
 
 
+def plane(alpha1: float | np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """The weight of the first-order term as an image (h, w) float32."""
+    image = np.empty(shape, np.float32)
+    image[:] = alpha1
+    return image
+
+
 def _by_rows(sums: Callable[[int, int], np.ndarray], image: np.ndarray) -> float:
     """The sum of a quantity that sums(top, bottom) gives row by row."""
     from ipcli.kernels import threads
@@ -140,7 +155,7 @@ def value(x: np.ndarray, v: np.ndarray, regulariser: Regulariser) -> float:
     """alpha1 |grad x - v| + alpha0 |E v| for an image (h, w) and a slope field (2, h, w), float32."""
     from ipcli.kernels import tgv as kernels
 
-    return float(kernels.value_rows(x, v, regulariser.alpha1, regulariser.alpha0).sum())
+    return float(kernels.value_rows(x, v, plane(regulariser.alpha1, x.shape), regulariser.alpha0).sum())
 
 
 def steepest_slopes(v: np.ndarray) -> np.ndarray:
