@@ -295,4 +295,58 @@ CLIPS = Kind(
     ),
 )
 
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (VIEWS, DEPTH, COMPARISON, CLOUD, CLIPS)}
+RECOGNITION = Kind(
+    "recognition",
+    1,
+    "The actions that queries (clips, handfuls of their frames, or windows along them) were recognised as.",
+    (
+        Field("queries", "str", (), "", "What was asked about", choices=("clip", "unordered", "window")),
+        Field("clips", "str", ("q",), "", "Clip that each query is of"),
+        Field("frames", "int64", ("q",), "1", "Frames of each query that could be used"),
+        Field("times", "float64", ("q", 2), "s", "Start and end of each query in its clip", domain=FINITE),
+        Field("actions", "str", ("a",), "", "Actions that the model knows"),
+        Field("groups", "str", ("g",), "", "Groups of joints"),
+        Field("answers", "str", ("q",), "", "The action, or `none`"),
+        Field("posterior", "float64", ("q", "a"), "1", "Posterior of each action, as if one of them it must be", domain=WEIGHT),
+        Field("group_posterior", "float64", ("q", "g"), "1", "Posterior of the answer by each group alone; NaN without frames"),
+        Field("surprise", "float64", ("q",), "1", "How unlike all that was learnt of the best action; NaN without frames"),
+        Field("threshold", "float64", (), "1", "Surprise above which the answer is `none`; infinite: never"),
+        Field("truth", "str", ("q",), "", "Label of each query; empty where unknown", optional=True),
+        Field("segment_clip", "str", ("s",), "", "Clip of each segment: windows of one answer in a row", optional=True),
+        Field("segment_time", "float64", ("s", 2), "s", "Start and end of each segment", optional=True, domain=FINITE),
+        Field("segment_answer", "str", ("s",), "", "The action, or `none`", optional=True),
+        Field("segment_posterior", "float64", ("s",), "1", "Mean posterior of the answer", optional=True, domain=WEIGHT),
+        Field("truth_segment_clip", "str", ("t",), "", "Clip of each segment of one label", optional=True),
+        Field("truth_segment_time", "float64", ("t", 2), "s", "Its start and end", optional=True, domain=FINITE),
+        Field("truth_segment_answer", "str", ("t",), "", "Its label", optional=True),
+    ),
+)
+
+EVALUATION = Kind(
+    "evaluation",
+    1,
+    "Right and wrong answers of models that were trained on a part of the clips and asked about another part.",
+    (
+        Field("split", "str", (), "", "How the clips were parted"),
+        Field("splits", "str", ("s",), "", "Name of each split"),
+        Field("classes", "str", ("c",), "", "Actions"),
+        Field("groups", "str", ("g",), "", "Groups of joints"),
+        Field("train_clips", "int64", ("s",), "1", "Clips that were learnt from"),
+        Field("train_frames", "int64", ("s",), "1", "Frames that were learnt from"),
+        Field("test_clips", "int64", ("s",), "1", "Clips that were recognised"),
+        Field("test_frames", "int64", ("s",), "1", "Frames that were recognised"),
+        Field("sequence_confusion", "int64", ("s", "c", "c"), "clips", "Truth by answer of whole clips"),
+        Field("frame_confusion", "int64", ("s", "c", "c"), "frames", "Truth by answer of single frames"),
+        Field("handfuls", "int64", ("h",), "1", "Frames of a clip, in no order, that were asked about together"),
+        Field("handful_confusion", "int64", ("s", "h", "c", "c"), "1", "Truth by answer of handfuls"),
+        Field("group_frame_accuracy", "float64", ("s", "g"), "1", "Single frames named right by each group alone", domain=WEIGHT),
+        Field("components", "float64", ("s", "c", "g", 3), "1", "Number of behaviours: posterior mean, 5 % and 95 %", domain=WEIGHT),
+        Field("clips", "str", ("n",), "", "Each clip that was recognised, once a split"),
+        Field("clip_split", "int64", ("n",), "1", "Index of its split"),
+        Field("clip_truth", "int64", ("n",), "1", "Index of its class"),
+        Field("clip_answer", "int64", ("n",), "1", "Index of the answer"),
+        Field("clip_posterior", "float64", ("n",), "1", "Posterior of the answer", domain=WEIGHT),
+    ),
+)
+
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (VIEWS, DEPTH, COMPARISON, CLOUD, CLIPS, RECOGNITION, EVALUATION)}

@@ -12,10 +12,10 @@ KINDS = list(schema.KINDS.values())
 
 def example(kind):
     """A sound artefact with every optional field."""
-    lengths = {"h": 2, "w": 3, "k": 2, "th": 1, "tw": 1, "n": 4, "m": 2, "c": 3, "s": 2, "j": 2}
+    lengths = {"w": 3, "th": 1, "tw": 1, "n": 4, "c": 3}
     arrays = {}
     for field in kind.fields:
-        shape = tuple(dim if isinstance(dim, int) else lengths[dim] for dim in field.dims)
+        shape = tuple(dim if isinstance(dim, int) else lengths.get(dim, 2) for dim in field.dims)
         one = np.array((field.choices or ("text",))[0]) if field.dtype == "str" else np.ones((), field.dtype)
         arrays[field.name.replace("*", "a")] = np.full(shape, one)
     return arrays
@@ -70,6 +70,8 @@ def test_lengths_that_disagree_name_the_other_field(kind):
         "comparison": ("methods", "values", "m"),
         "cloud": ("maps", "map_points", "m"),
         "clips": ("clips", "labels", "c"),
+        "recognition": ("clips", "answers", "q"),
+        "evaluation": ("classes", "components", "c"),
     }[kind.name]
     axis = kind.field(other)[0].dims.index(dim)
     length = arrays[first].shape[-1]

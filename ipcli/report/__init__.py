@@ -11,6 +11,8 @@ PAGES = {
     "cloud": "ipcli.report.merge_depth",
     "comparison": "ipcli.report.compare",
     "depth": "ipcli.report.fuse_depth",
+    "evaluation": "ipcli.report.mocap_evaluate",
+    "recognition": "ipcli.report.mocap_classify",
     "views": "ipcli.report.views",
 }
 

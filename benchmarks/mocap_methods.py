@@ -123,7 +123,7 @@ class MiniRocket:
         return np.stack([resample(flat(clip), self.length).T for clip in clips]).astype(np.float32)
 
 
-RIVALS: dict[str, tuple[type, tuple[dict[str, Any], ...]]] = {  # class and the grid of its settings
+METHODS: dict[str, tuple[type, tuple[dict[str, Any], ...]]] = {  # class and the grid of its settings
     "DTW-1NN (stands in for DMW)": (
         TimeWarping,
         tuple(dict(stride=2, window=window, normalised=normalised) for window in (0.1, 0.2, 1.0) for normalised in (True, False)),
