@@ -119,16 +119,22 @@ for name in main.COMMANDS:
 
 @pytest.mark.parametrize("arguments", [[], *([name] for name in cli.COMMANDS)], ids=lambda arguments: " ".join(["ipcli", *arguments]))
 def test_help_is_quick(arguments):
-    """The best of several, so that a busy machine does not count."""
+    """Seconds of the processor, the best of several, so that a busy machine does not count."""
     best = float("inf")
     for _ in range(10):
-        started = time.perf_counter()
+        started = _children_seconds()
         done = run("-m", "ipcli", *arguments, "--help")
-        best = min(best, time.perf_counter() - started)
+        best = min(best, _children_seconds() - started)
         assert done.returncode == 0, done.stderr
         if best < HELP_SECONDS:
             break
     assert best < HELP_SECONDS
+
+
+def _children_seconds():
+    """Of all child processes that have ended; on Windows, which does not tell, the time of day."""
+    times = os.times()
+    return times.children_user + times.children_system if os.name != "nt" else time.perf_counter()
 
 
 @pytest.mark.parametrize("name", cli.COMMANDS)
