@@ -255,6 +255,44 @@ COMPARISON = Kind(
     ),
 )
 
+TUNING = Kind(
+    "tuning",
+    1,
+    "Errors of several methods over a grid of lambda, on scenes of known truth.",
+    (
+        Field("scenes", "str", ("s",), "", "Name of each scene"),
+        Field("methods", "str", ("m",), "", "Name of each method"),
+        Field("lambdas", "float64", ("n",), "1", "Weights of the data that were tried, in order", domain=WEIGHT),
+        Field("columns", "str", ("c",), "", "Measure and unit of each column"),
+        Field("values", "float64", ("s", "m", "n", "c"), "", "Measures; NaN undefined"),
+        Field("automatic_lambda", "float64", ("s", "m"), "1", "Weight that is taken if none is given", domain=WEIGHT),
+        Field("automatic", "float64", ("s", "m", "c"), "", "Measures at that weight"),
+        Field("measure", "str", (), "", "Column whose mean over the scenes `best` makes least"),
+        Field("best", "float64", ("m",), "1", "Best of `lambdas` for each method", domain=WEIGHT),
+    ),
+)
+
+TRIALS = Kind(
+    "trials",
+    1,
+    "Error measures of several methods on one scene of known truth, each at one or two lambdas, and some of the maps.",
+    (
+        Field("methods", "str", ("m",), "", "Name of the method of each row"),
+        Field("rules", "str", ("m",), "", "Where its lambda is from", choices=("none", "automatic", "tuned")),
+        Field("lambdas", "float64", ("m",), "1", "Weight of the data; NaN without", domain=Domain(">= 0, or NaN", 0.0, nan=True)),
+        Field("columns", "str", ("c",), "", "Measure and unit of each column"),
+        Field("values", "float64", ("m", "c"), "", "Measures; NaN undefined"),
+        Field("kept_error", "float64", ("m", "k"), "mean error", "Mean error of the k/K most confident pixels; NaN without confidence"),
+        Field("least_error", "float64", ("m", "k"), "mean error", "The same of the pixels that err least"),
+        Field("maps", "str", ("n",), "", "Method of each map kept, at the automatic lambda"),
+        Field("depth", "float32", ("n", "h", "w"), "unit", "Fused depth; NaN where nothing was observed", domain=DISTANCE),
+        Field("confidence", "float32", ("n", "h", "w"), "1", "Lambda of (4.3), relative to the noise scale; 0 without", domain=WEIGHT),
+        Field("truth", "float32", ("h", "w"), "unit", "True depth", domain=DISTANCE),
+        Field("intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE),
+        Field("unit", "str", (), "", "Unit of length of the scene, such as `m`"),
+    ),
+)
+
 CLOUD = Kind(
     "cloud",
     1,
@@ -349,4 +387,4 @@ EVALUATION = Kind(
     ),
 )
 
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (VIEWS, DEPTH, COMPARISON, CLOUD, CLIPS, RECOGNITION, EVALUATION)}
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (VIEWS, DEPTH, COMPARISON, TUNING, TRIALS, CLOUD, CLIPS, RECOGNITION, EVALUATION)}

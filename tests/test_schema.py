@@ -68,6 +68,8 @@ def test_lengths_that_disagree_name_the_other_field(kind):
         "views": ("views/a/depth", "views/a/confidence", "w"),
         "depth": ("depth", "confidence", "w"),
         "comparison": ("methods", "values", "m"),
+        "tuning": ("methods", "best", "m"),
+        "trials": ("methods", "lambdas", "m"),
         "cloud": ("maps", "map_points", "m"),
         "clips": ("clips", "labels", "c"),
         "recognition": ("clips", "answers", "q"),

@@ -17,9 +17,9 @@ from ipcli.stages.compare import Params
 @options.parameters(Params)
 @options.common
 def main(files: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
-    """Compare the errors of fused maps (FILES, each with a truth) over scenes and methods.
+    """Compare the errors of fused maps with a truth, or of trials (FILES), over scenes and methods.
 
-    A file's scene is its name up to the first dot. Beside the output come a page to open (.html) and all figures (.csv).
+    A file's scene is its name up to the first dot. Beside the output come a page to open (.html) and all figures (.csv, .json).
     """
     from ipcli.stages import compare
 

@@ -30,6 +30,7 @@ class Command(NamedTuple):
 
 COMMANDS = {
     "compare": Command("ipcli.cli.compare:main", "Compare methods by their errors over scenes."),
+    "evaluate-fusion": Command("ipcli.cli.evaluate_fusion:main", "Measure the errors of all fusion methods on a scene."),
     "fuse-depth": Command("ipcli.cli.fuse_depth:main", "Fuse depth maps of several views into one.", is_script=True),
     "import-clips": Command("ipcli.cli.import_clips:main", "Turn motion capture files into one file of labelled clips."),
     "import-views": Command("ipcli.cli.import_views:main", "Turn a folder of depth maps and poses into one views file."),
@@ -38,6 +39,7 @@ COMMANDS = {
     "render-views": Command("ipcli.cli.render_views:main", "Render depth maps of a mesh, with noise if wanted."),
     "merge-depth": Command("ipcli.cli.merge_depth:main", "Join fused depth maps into one coloured cloud."),
     "report": Command("ipcli.cli.report:main", "Turn artefacts into one HTML page."),
+    "tune-fusion": Command("ipcli.cli.tune_fusion:main", "Find the best weight of the data for each fusion method."),
 }
 
 

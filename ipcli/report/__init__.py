@@ -13,6 +13,8 @@ PAGES = {
     "depth": "ipcli.report.fuse_depth",
     "evaluation": "ipcli.report.mocap_evaluate",
     "recognition": "ipcli.report.mocap_classify",
+    "trials": "ipcli.report.evaluate_fusion",
+    "tuning": "ipcli.report.tune_fusion",
     "views": "ipcli.report.views",
 }
 

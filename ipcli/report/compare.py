@@ -16,21 +16,19 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     """The HTML of a `comparison` artefact; it has no pictures for `widest` to bound."""
     scenes, methods, columns = ([str(name) for name in arrays[field]] for field in ("scenes", "methods", "columns"))
     values = arrays["values"]
-    everywhere = np.isfinite(values).all(axis=2).all(axis=0)
     return document(
         f"{len(methods)} methods on {len(scenes)} scene{'s' if len(scenes) > 1 else ''}",
         "ipcli compare",
         "The mean over the scenes of every measure of every method; lower is better, except for the density.",
-        _means(methods, columns, values, everywhere),
+        _means(methods, columns, values),
         _by_scene(scenes, methods, columns, values),
         origin.origin(provenance),
     )
 
 
-def _means(methods: list[str], columns: list[str], values: np.ndarray, everywhere: np.ndarray) -> Markup:
+def _means(methods: list[str], columns: list[str], values: np.ndarray) -> Markup:
     """Means and the spread over scenes; a method that was not run on all scenes is not comparable and gets no figures."""
-    means = np.where(everywhere[:, None], values.mean(axis=0), np.nan)
-    spread = values.std(axis=0)
+    means, spread = values.mean(axis=0), values.std(axis=0)
     cells = [[f"{text}" for text in aligned(column)] for column in means.T]
     rows = [
         (name, *(_cell(cells[c][m], spread[m, c], len(values)) for c in range(len(columns)))) for m, name in enumerate(methods)

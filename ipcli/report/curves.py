@@ -17,13 +17,15 @@ LEGEND_LETTER = 6.4  # pixels an average letter of the legend is wide
 
 @dataclass(frozen=True)
 class Series:
-    """A named line; ``dashed`` for what is only there to compare with, ``dots`` where points are few and count."""
+    """A named line; ``dashed`` for what is only there to compare with, ``dots`` where points are few and count, ``ring`` for a
+    point (x, y) to mark, on the line or off it."""
 
     name: str
     x: np.ndarray
     y: np.ndarray
     dashed: bool = False
     dots: bool = False
+    ring: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -62,8 +64,9 @@ def plot(
     height: int = 300,
 ) -> Markup:
     """A plot of lines with ticks, labels and a legend. A point without a place on the axes breaks its line."""
-    x = _axis([line.x for line in series], x_label, log_x, False, width - LEFT - RIGHT, rounded=False)
-    y = _axis([line.y for line in series], y_label, log_y, from_zero, height - TOP - BOTTOM, rounded=True)
+    rings = np.array([line.ring for line in series if line.ring]).reshape(-1, 2)
+    x = _axis([*(line.x for line in series), rings[:, 0]], x_label, log_x, False, width - LEFT - RIGHT, rounded=False)
+    y = _axis([*(line.y for line in series), rings[:, 1]], y_label, log_y, from_zero, height - TOP - BOTTOM, rounded=True)
     area = element(
         "g",
         *_grid(x, y),
@@ -130,6 +133,9 @@ def _line(line: Series, index: int, x: Axis, y: Axis) -> Markup:
         for px, py in points
         if line.dots and np.isfinite(px + py)
     ]
+    if line.ring:
+        px, py = _short(x.position(line.ring[0])), _short(y.length - y.position(line.ring[1]))
+        marks.append(element("circle", class_=f"line s{index % 6}", cx=px, cy=py, r=6))
     return element("g", element("path", class_=kind, d="".join(path)), *marks)
 
 

@@ -1,4 +1,4 @@
-"""compare: the error measures of fused maps of several scenes and methods -> one table."""
+"""compare: the error measures of fused maps, or of trials, of several scenes and methods -> one table."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ class Params:
 
 
 def run(files: Sequence[Path], output: Path, params: Params, run: Run) -> Outcome:
-    """Write the table and beside it a page (.html) and all figures (.csv).
+    """Write the table and beside it a page (.html) and all figures (.csv, .json).
 
     A scene is the name of a file up to its first dot. Raises FormatError for a file without measures and ParameterError
     when two files of a scene give the same method, or other figures for the same baseline.
     """
     from ipcli.stages.artefact import Job, make
 
-    beside = {output.with_suffix(".html"): write_page, output.with_suffix(".csv"): write_csv}
+    beside = {output.with_suffix(".html"): write_page, output.with_suffix(".csv"): write_csv, output.with_suffix(".json"): write_json}
     job = Job(output, "comparison", "compare", params, tuple(files), beside)
     return make(job, lambda: comparison(files), run)
 
@@ -53,7 +53,17 @@ def comparison(files: Sequence[Path]) -> dict[str, np.ndarray]:
 
 
 def measures(path: Path, columns: list[str] | None) -> tuple[list[str], dict[str, np.ndarray]]:
-    """Columns, and the figures of each method, of a fused map; the columns must be those given, if any."""
+    """Columns, and the figures of each method, of a fused map or of trials; the columns must be those given, if any."""
+    from ipcli.io import h5
+
+    found, rows = (of_trials if h5.peek(path).kind == "trials" else of_fused_map)(path)
+    if columns is not None and found != columns:
+        raise FormatError(path, "has other measures than the files before it", expected=columns, got=found)
+    return found, rows
+
+
+def of_fused_map(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
+    """What a `depth` artefact says of its map and of those beside it."""
     from ipcli.io import h5
 
     wanted = ("metrics", "metric_rows", "metric_columns", "method")
@@ -61,12 +71,18 @@ def measures(path: Path, columns: list[str] | None) -> tuple[list[str], dict[str
     arrays, lam = artefact.arrays, artefact.provenance["params"]["fusion"]["lam"]
     if "metrics" not in arrays:
         raise FormatError(path, "holds no error measures", fix="Fuse views whose reference has a truth")
-    found = [str(name) for name in arrays["metric_columns"]]
-    if columns is not None and found != columns:
-        raise FormatError(path, "has other measures than the files before it", expected=columns, got=found)
     own = str(arrays["method"]) if lam is None else f"{arrays['method']}, λ = {lam:g}"  # the automatic λ is part of the method
     names = (str(name).replace("fused", own) for name in arrays["metric_rows"])
-    return found, dict(zip(names, arrays["metrics"], strict=True))
+    return [str(name) for name in arrays["metric_columns"]], dict(zip(names, arrays["metrics"], strict=True))
+
+
+def of_trials(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
+    """What a `trials` says of each of its methods."""
+    from ipcli.io import h5
+    from ipcli.report.evaluate_fusion import row_names
+
+    arrays = h5.read(path, "trials", only=lambda name: name in ("methods", "rules", "columns", "values")).arrays
+    return [str(name) for name in arrays["columns"]], dict(zip(row_names(arrays), arrays["values"], strict=True))
 
 
 def write_page(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
@@ -90,3 +106,18 @@ def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[
     for scene, table in zip(arrays["scenes"], arrays["values"], strict=True):
         lines.writerows([scene, method, *row] for method, row in zip(arrays["methods"], table.tolist(), strict=True))
     atomic.write_text(path, text.getvalue())
+
+
+def write_json(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """An object a scene and method; null where undefined."""
+    import json
+    import math
+
+    from ipcli.io import atomic
+
+    rows = []
+    for scene, table in zip(arrays["scenes"], arrays["values"].tolist(), strict=True):
+        for method, values in zip(arrays["methods"], table, strict=True):
+            known = (value if math.isfinite(value) else None for value in values)
+            rows.append({"scene": str(scene), "method": str(method)} | dict(zip(map(str, arrays["columns"]), known, strict=True)))
+    atomic.write_text(path, json.dumps({"digest": provenance.get("digest"), "rows": rows}, indent=1, ensure_ascii=False) + "\n")

@@ -76,3 +76,10 @@ def test_degenerate_lines_still_make_a_plot(y, log):
     )
     assert "nan" not in svg and "inf" not in svg
     drawn(svg)
+
+
+def test_a_ring_stands_at_its_place_and_the_axes_reach_it():
+    svg = plot([Series("a", np.array([1.0, 2, 4]), np.array([3.0, 1, 2]), ring=(8.0, 5.0))], "t", "x", "y", log_x=True)
+    ring = next(node for node in drawn(svg).iter("circle") if node.get("r") == "6")
+    (line,) = vertices(svg)
+    assert float(ring.get("cx")) == pytest.approx(line[1, 0] * 3, abs=0.2) and 0 <= float(ring.get("cy")) < line[:, 1].min()

@@ -1,0 +1,24 @@
+"""How the errors of several scenes become one figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+
+def over_scenes(values: np.ndarray, columns: Sequence[str]) -> np.ndarray:
+    """Means over the first axis of measures (s, ..., c): geometric for errors, as in the thesis' tables 4.2 and 4.3, so that no
+    scene counts for more because its errors are larger; arithmetic for percentages, which may be 0. NaN if any is."""
+    percentages = np.array(["%" in str(column) for column in columns])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        geometric = np.exp(np.log(values).mean(axis=0))
+    return np.where(percentages, values.mean(axis=0), geometric)
+
+
+def depth_average(values: np.ndarray, columns: Sequence[str]) -> np.ndarray:
+    """The thesis' Z-avg of measures (..., c): geometric mean of centred RMSE, Z-MAE and N-MAE."""
+    names = [str(column) for column in columns]
+    three = values[..., [names.index(name) for name in ("centred RMSE", "Z-MAE", "N-MAE rad")]]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.exp(np.log(three).mean(axis=-1))

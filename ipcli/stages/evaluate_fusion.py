@@ -1,0 +1,155 @@
+"""evaluate-fusion: a scene with known truth -> the errors of every method, at the automatic lambda and at the tuned one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ipcli.errors import ParameterError
+from ipcli.params import Run, option
+from ipcli.stages.scenes import Scene, Trials, Variant, observed_depth, open_scene, parse
+from ipcli.stages.tune_fusion import best_lambdas
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ipcli.stages.artefact import Outcome
+
+POINTS = 40  # of a sparsification curve
+GIVEN = ("reference", "mean", "median")  # what a fusion starts from: no lambda, and the same for every method
+
+
+@dataclass(frozen=True)
+class Params(Trials):
+    """Which maps to keep beside the figures."""
+
+    keep: tuple[str, ...] = option(
+        ("tgv-l1", "l1-heuristic", "l1-adapt", "adapt-hprior"), "Methods whose maps are kept, to be looked at.", flag="--keep"
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """What one method at one lambda came to."""
+
+    label: str
+    rule: str  # "none", "automatic" or "tuned"
+    lam: float  # NaN for none
+    depth: np.ndarray  # (h, w), NaN where nothing was observed
+    confidence: np.ndarray | None
+
+
+def run(
+    source: Path,
+    output: Path,
+    params: Params,
+    run: Run,
+    tuning: Path | None = None,
+    progress: Callable[[float, str], None] = lambda share, what: None,
+) -> Outcome:
+    """Write the `trials` artefact and beside it a page (.html). Methods that `tuning` has not are not shown at a tuned lambda."""
+    from ipcli.stages.artefact import Job, make
+
+    if params.fusion.lam is not None:
+        raise ParameterError("lambda is the automatic one or that of --tuning: leave out --lambda")
+    lambdas = best_lambdas(tuning) if tuning else {}
+    inputs = (source, tuning) if tuning else (source,)
+    job = Job(output, "trials", "evaluate-fusion", params, inputs, {output.with_suffix(".html"): write_page})
+    return make(job, lambda: trials(open_scene(source, params), params, lambdas, progress), run)
+
+
+def trials(
+    scene: Scene, params: Params, lambdas: Mapping[str, float], progress: Callable[[float, str], None]
+) -> dict[str, np.ndarray]:
+    """The arrays of the artefact."""
+    import numpy as np
+
+    rows = fused_rows(scene, params, lambdas, progress)
+    columns, values = scene.errors({f"{row.label} {row.rule}": row.depth for row in rows})
+    judged = [sparsified(row, rows, scene.reference.truth) for row in rows]
+    kept = [row for row in rows if row.rule != "tuned" and row.label in kept_labels(params)]
+    return {
+        "methods": np.array([row.label for row in rows]),
+        "rules": np.array([row.rule for row in rows]),
+        "lambdas": np.array([row.lam for row in rows]),
+        "columns": np.array([*columns, "AUSE"]),
+        "values": np.column_stack([values, [area for area, _, _ in judged]]),
+        "kept_error": np.stack([error for _, error, _ in judged]),
+        "least_error": np.stack([error for _, _, error in judged]),
+        "maps": np.array([row.label for row in kept]),
+        "depth": np.stack([row.depth for row in kept]),
+        "confidence": np.stack([no_confidence(row.depth) if row.confidence is None else row.confidence for row in kept]),
+        "truth": scene.reference.truth,
+        "intrinsics": scene.reference.intrinsics,
+        "unit": np.array(scene.unit),
+    }
+
+
+def fused_rows(scene: Scene, params: Params, lambdas: Mapping[str, float], progress: Callable[[float, str], None]) -> list[Row]:
+    """The maps that are given, then every method by the automatic lambda and by the tuned one."""
+    tasks: list[tuple[Variant, str, float | None]] = []
+    for variant in params.variants:
+        if variant.is_regularised:
+            tasks.append((variant, "automatic", None))
+            tasks += [(variant, "tuned", lambdas[variant.label])] if variant.label in lambdas else []
+    rows: list[Row] = []
+    for done, (variant, rule, lam) in enumerate(tasks or [(Variant("median", None), "none", None)], start=1):
+        fused = scene.fuse(variant, params.fusion, lam)
+        if not rows:
+            rows += [Row(name, "none", float("nan"), depth, None) for name, depth in given(scene, fused).items()]
+        if rule != "none":
+            rows.append(Row(variant.label, rule, float(fused.lam), observed_depth(fused), fused.confidence))
+        progress(done / max(len(tasks), 1), variant.label)
+    return rows
+
+
+def given(scene: Scene, fused: Any) -> dict[str, np.ndarray]:
+    """The maps named GIVEN."""
+    return dict(zip(GIVEN, (scene.reference.depth, fused.mean, fused.median), strict=True))
+
+
+def kept_labels(params: Params) -> set[str]:
+    """Labels of the rows whose maps are kept; what is given always is."""
+    return {*GIVEN, *(variant.label for text in params.keep for variant in parse(text))}
+
+
+def sparsified(row: Row, rows: list[Row], truth: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+    """AUSE of a row's confidence, and the mean error of its most confident pixels and of its best ones (k,), in mean errors.
+
+    NaN without confidence. On the pixels that all rows have, as the other measures.
+    """
+    import numpy as np
+
+    from ipcli.models.fusion.metrics import ause
+    from ipcli.report.accuracy import sparsification
+
+    if row.confidence is None:
+        return float("nan"), np.full(POINTS, np.nan), np.full(POINTS, np.nan)
+    common = np.isfinite(truth) & np.isfinite([other.depth for other in rows]).all(axis=0)
+    error, confidence = np.abs(row.depth - truth)[common].astype(np.float64), row.confidence[common]
+    curves = [np.interp(shares(), *sparsification(error, key, POINTS)) / error.mean() for key in (-confidence, error)]
+    return ause(confidence, error), *curves
+
+
+def shares() -> np.ndarray:
+    """The shares of pixels, in %, at which sparsification curves are kept."""
+    import numpy as np
+
+    return np.linspace(100 / POINTS, 100, POINTS)
+
+
+def no_confidence(depth: np.ndarray) -> np.ndarray:
+    """A map of zeros for what has no confidence."""
+    import numpy as np
+
+    return np.zeros(depth.shape, np.float32)
+
+
+def write_page(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """The page to look at."""
+    from ipcli.io import atomic
+    from ipcli.report import evaluate_fusion
+
+    atomic.write_text(path, evaluate_fusion.page(arrays, provenance))
