@@ -148,29 +148,33 @@ def lowest_huber_rows(tilt, stack, weights, count, scale, width, low, high):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def sort_stack(stack, layers):
-    """Write the layers (K, h, w) into a stack (h, K, w), ascending at every pixel; +inf, no observation, comes last."""
-    k, h, w = layers.shape
+def sort_stack(stack):
+    """Sort a stack (h, K, w) at every pixel, ascending, in place; NaN and infinity, no observation, come last as +inf."""
+    h, k, w = stack.shape
     for i in range(h):
         for m in range(k):
-            stack[i, m] = layers[m, i]
+            row = stack[i, m]
+            for j in range(w):
+                row[j] = row[j] if abs(row[j]) < np.inf else np.inf
         for a in range(1, k):
             for b in range(a, 0, -1):
                 low, high = stack[i, b - 1], stack[i, b]
                 for j in range(w):
-                    p, q = low[j], high[j]
+                    # Plus 0, since to store what was just read would become a masked store, which is slow.
+                    p, q = low[j] + ZERO, high[j] + ZERO
                     low[j] = p if p < q else q
                     high[j] = q if p < q else p
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def sort_weighted_stack(stack, weights, layers, layer_weights):
-    """As `sort_stack`, with the weights (K, h, w) carried along into `weights` (h, K, w)."""
-    k, h, w = layers.shape
+def sort_weighted_stack(stack, weights):
+    """As `sort_stack`, with the weights (h, K, w) carried along; where one is not above 0 there is no observation, and it becomes 0."""
+    h, k, w = stack.shape
     for i in range(h):
         for m in range(k):
-            stack[i, m] = layers[m, i]
-            weights[i, m] = layer_weights[m, i]
+            for j in range(w):
+                if not (abs(stack[i, m, j]) < np.inf and weights[i, m, j] > 0):
+                    stack[i, m, j], weights[i, m, j] = np.inf, ZERO
         for a in range(1, k):
             for b in range(a, 0, -1):
                 low, high, low_weight, high_weight = stack[i, b - 1], stack[i, b], weights[i, b - 1], weights[i, b]
@@ -178,3 +182,15 @@ def sort_weighted_stack(stack, weights, layers, layer_weights):
                     if high[j] < low[j]:
                         low[j], high[j] = high[j], low[j]
                         low_weight[j], high_weight[j] = high_weight[j], low_weight[j]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def count_observations(stack):
+    """How many of the K observations of a stack (h, K, w) there are: (h, w) float32."""
+    h, k, w = stack.shape
+    count = np.zeros((h, w), np.float32)
+    for i in range(h):
+        for m in range(k):
+            for j in range(w):
+                count[i, j] += np.float32(stack[i, m, j] < np.inf)
+    return count

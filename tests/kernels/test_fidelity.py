@@ -162,10 +162,20 @@ def test_lowest_huber_rows_is_the_least_value_on_a_fine_grid(case, width):
 
 @given(cases())
 def test_stacks_are_sorted_with_their_weights_and_the_missing_last(case):
-    stack, weights = np.empty_like(case.stack), np.empty_like(case.stack)
-    kernels.sort_stack(stack, case.layers)
-    np.testing.assert_array_equal(stack, np.sort(case.layers, axis=0).transpose(1, 0, 2))
-    kernels.sort_weighted_stack(stack, weights, case.layers, case.weights)
+    stack, weights = (np.ascontiguousarray(a.transpose(1, 0, 2)) for a in (case.layers, case.weights))
+    single = stack.copy()
+    single[single == np.inf] = np.nan  # either means that there is none
+    kernels.sort_stack(single)
+    np.testing.assert_array_equal(single, np.sort(case.layers, axis=0).transpose(1, 0, 2))
+    np.testing.assert_array_equal(kernels.count_observations(single), case.count)
+    kernels.sort_weighted_stack(stack, weights)
     order = np.argsort(case.layers, axis=0, kind="stable")
     np.testing.assert_array_equal(stack, case.stack)
     np.testing.assert_array_equal(weights, np.take_along_axis(case.weights, order, axis=0).transpose(1, 0, 2))
+
+
+def test_observations_of_weight_0_are_none():
+    stack, weights = np.array([[[1], [-np.inf], [3]]], np.float32), np.array([[[0], [1], [2]]], np.float32)
+    kernels.sort_weighted_stack(stack, weights)
+    np.testing.assert_array_equal(stack.ravel(), [3, np.inf, np.inf])
+    np.testing.assert_array_equal(weights.ravel(), [2, 0, 0])

@@ -5,6 +5,7 @@ All arrays are float32 and C-contiguous. A new data term is a class with the met
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -40,22 +41,26 @@ class Observations:
     count: np.ndarray  # (h, w) number of observations
 
     @classmethod
-    def of(cls, layers: np.ndarray, weights: np.ndarray | None = None) -> Observations:
-        """Sort layers (K, h, w), NaN or inf where there is no observation; weights (K, h, w) >= 0, where 0 means none too."""
-        from ipcli.kernels import fidelity as kernels
+    def of(cls, layers: Sequence[np.ndarray], weights: Sequence[np.ndarray] | None = None) -> Observations:
+        """Sort K layers (h, w), NaN or inf where there is no observation; K weights (h, w) >= 0, where 0 means none too.
 
-        present = np.isfinite(layers) if weights is None else np.isfinite(layers) & (weights > 0)
-        layers = np.where(present, layers, np.inf).astype(np.float32, copy=False)
-        k, h, w = layers.shape
-        stack = np.empty((h, k, w), np.float32)
-        count = present.sum(axis=0, dtype=np.float32)
-        if weights is None:
-            kernels.sort_stack(stack, layers)
-            return cls(stack, None, count, count)
-        weights = np.where(present, weights, 0).astype(np.float32, copy=False)
-        sorted_weights = np.empty_like(stack)
-        kernels.sort_weighted_stack(stack, sorted_weights, layers, weights)
-        return cls(stack, sorted_weights, sorted_weights.sum(axis=1), count)
+        The layers are asked for one by one, so that they need not all be in memory beside the stack.
+        """
+        from ipcli.kernels import fidelity as kernels
+        from ipcli.kernels import threads
+
+        stack, sorted_weights = stacked(layers), None if weights is None else stacked(weights)
+
+        def sort(rows: slice) -> np.ndarray:
+            if sorted_weights is None:
+                kernels.sort_stack(stack[rows])
+            else:
+                kernels.sort_weighted_stack(stack[rows], sorted_weights[rows])
+            return kernels.count_observations(stack[rows])
+
+        blocks = [slice(top, bottom) for top, bottom in threads.blocks(len(stack))]
+        count = np.concatenate(threads.each(sort, blocks))
+        return cls(stack, sorted_weights, count if sorted_weights is None else sorted_weights.sum(axis=1), count)
 
     def rows(self, top: int, bottom: int) -> Observations:
         """The observations of these rows of the image."""
@@ -65,7 +70,8 @@ class Observations:
     @property
     def bounds(self) -> tuple[float, float]:
         """Least and greatest observation."""
-        return float(self.stack[:, 0].min()), float(self.stack.max(where=np.isfinite(self.stack), initial=-np.inf))
+        greatest = (layer.max(where=np.isfinite(layer), initial=-np.inf) for layer in np.moveaxis(self.stack, 1, 0))
+        return float(self.stack[:, 0].min()), float(max(greatest))
 
     def median(self) -> np.ndarray:
         """Weighted median (h, w), the middle of the two when the weights tie; NaN where nothing was observed."""
@@ -85,10 +91,23 @@ class Observations:
 
     def mean(self) -> np.ndarray:
         """Weighted mean (h, w); NaN where nothing was observed."""
-        present = np.isfinite(self.stack)
-        weights = present if self.weights is None else self.weights
+        total = np.zeros(self.count.shape, np.float32)
+        for k in range(self.stack.shape[1]):
+            layer = self.stack[:, k]
+            values = np.where(np.isfinite(layer), layer, np.float32(0))
+            total += values if self.weights is None else values * self.weights[:, k]
         with np.errstate(invalid="ignore"):
-            return (np.where(present, self.stack, 0) * weights).sum(axis=1, dtype=np.float32) / self.total
+            return total / self.total
+
+
+def stacked(layers: Sequence[np.ndarray]) -> np.ndarray:
+    """K layers (h, w) as a stack (h, K, w) float32."""
+    stack = None
+    for k in range(len(layers)):
+        layer = layers[k]
+        stack = np.empty((layer.shape[0], len(layers), layer.shape[1]), np.float32) if stack is None else stack
+        stack[:, k] = layer
+    return stack
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,9 +171,11 @@ class SquaredDeviations:
     @classmethod
     def of(cls, data: Observations, scale: np.ndarray) -> SquaredDeviations:
         mean = np.nan_to_num(data.mean())
-        present = np.isfinite(data.stack)
-        squares = (np.where(present, data.stack, 0) - np.where(present, mean[:, None], 0)) ** 2 / 2
-        spread = (squares if data.weights is None else squares * data.weights).sum(axis=1)
+        spread = np.zeros_like(mean)
+        for k in range(data.stack.shape[1]):
+            layer = data.stack[:, k]
+            squares = np.where(np.isfinite(layer), layer - mean, 0) ** 2 / 2
+            spread += squares if data.weights is None else squares * data.weights[:, k]
         return cls(mean, data.total, spread, scale)
 
     def rows(self, top, bottom):

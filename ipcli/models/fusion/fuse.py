@@ -13,7 +13,7 @@ from ipcli.inverse.regularize import tgv
 from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Observations, SquaredDeviations
 from ipcli.models.fusion import confidence as priors
 from ipcli.models.fusion.alternation import ALGORITHMS, START, History, Problem, with_given_confidence
-from ipcli.models.fusion.observations import Units, measure
+from ipcli.models.fusion.observations import Normalised, Units, measure
 from ipcli.models.fusion.parameters import METHODS, Fusion, Method
 from ipcli.models.fusion.pyramid import start
 from ipcli.models.fusion.reassociation import reassociate
@@ -53,23 +53,45 @@ def fuse(
     forward = reproject_all(views, reference)
     passes = fusion.reassociate if METHODS[fusion.method].order else 0
     progress(0.2, "fusing")
-    first = last = fuse_layers(forward, reference, first_pass(fusion) if passes else fusion, inverse=inverse)
+    last = fuse_layers(forward, reference, first_pass(fusion) if passes else fusion, inverse=inverse)
+    mean, median = (last.units.depth(image) for image in (last.data.mean(), last.data.median()))
     for done in range(1, passes + 1):
         progress(0.2 + 0.7 * done / (passes + 1), "fusing again, by the map so far")
-        layers = reassociate(last.units.depth(last.x), views, reference, forward, last.units)
+        before, last = last.ended, None  # whose observations need not be in memory beside the next ones
+        layers = reassociate(before.depth, views, reference, forward, before.units, in_place=done == passes)
         settings = fusion if done == passes else first_pass(fusion)
-        last = fuse_layers(layers, reference, settings, inverse=inverse, before=last)
+        last = fuse_layers(layers, reference, settings, inverse=inverse, before=before)
+    layers = last.layers
+    layers[~np.isfinite(layers)] = np.nan
     return Fused(
-        depth=last.units.depth(last.x),
+        depth=last.ended.depth,
         confidence=last.problem.best_confidence(last.x),
         observations=last.data.count.astype(np.uint16),
-        mean=first.units.depth(first.data.mean()),
-        median=first.units.depth(first.data.median()),
-        layers=np.where(np.isfinite(last.layers), last.layers, np.nan),
+        mean=mean,
+        median=median,
+        layers=layers,
         lam=last.problem.lam,
         noise_scale=last.units.scale,
         history=np.array(last.history.rows, np.float64).reshape(-1, 5),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Ended:
+    """Where a pass ended."""
+
+    iterate: tgv.Iterate  # in these units
+    units: Units
+
+    @property
+    def depth(self) -> np.ndarray:
+        """The fused depth (h, w) float32."""
+        return self.units.depth(self.iterate.x)
+
+    def iterate_in(self, units: Units) -> tgv.Iterate:
+        """The iterate in other units: the duals have none."""
+        x, v = units.normalise(self.depth), self.iterate.v * np.float32(self.units.scale / units.scale)
+        return tgv.Iterate(x, v, self.iterate.p, self.iterate.q)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,23 +110,22 @@ class Pass:
         """The fused image (h, w) float32, in these units."""
         return self.iterate.x
 
-    def iterate_in(self, units: Units) -> tgv.Iterate:
-        """Where this pass ended, in other units: the duals have none."""
-        x = units.normalise(self.units.depth(self.x))
-        return tgv.Iterate(x, self.iterate.v * np.float32(self.units.scale / units.scale), self.iterate.p, self.iterate.q)
+    @property
+    def ended(self) -> Ended:
+        """Where it ended, without the observations."""
+        return Ended(self.iterate, self.units)
 
 
-def fuse_layers(layers: Layers, reference: View, fusion: Fusion, *, inverse: bool, before: Pass | None = None) -> Pass:
+def fuse_layers(layers: Layers, reference: View, fusion: Fusion, *, inverse: bool, before: Ended | None = None) -> Pass:
     """One fusion of observations that are where they belong, from where a pass before ended or from a coarse grid.
 
     NoSolution if there are no observations, or all have weight 0.
     """
     weights = layers.confidence if fusion.confidence.given else None
-    depth = layers.depth if weights is None else np.where(weights > 0, layers.depth, np.inf)
-    if np.isfinite(layers.depth).any() and not np.isfinite(depth).any():
+    if weights is not None and np.isfinite(layers.depth).any() and not (weights[np.isfinite(layers.depth)] > 0).any():
         raise NoSolution("the given confidence of every observation is 0: correct it, or ignore it with --no-given-confidence")
-    units = measure(depth, inverse=inverse)
-    x = units.normalise(depth)
+    units = measure(layers.depth, weights, inverse=inverse)
+    x = Normalised(units, layers.depth, weights)
     data = Observations.of(x, weights)
     method = METHODS[fusion.method]
     lam = balanced_lambda(data, method) if fusion.lam is None else fusion.lam

@@ -6,6 +6,7 @@ in units of the noise a scene in millimetres gives the same picture as the same 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,17 +43,61 @@ class Units:
         return (1 / q if self.inverse else q).astype(np.float32)
 
 
-def measure(layers: np.ndarray, *, inverse: bool) -> Units:
-    """Units of depth layers (K, h, w), +inf = nothing; NoSolution if no pixel of the reference was observed."""
-    seen = np.isfinite(layers)
-    if not seen.any():
+@dataclass(frozen=True, eq=False)
+class Normalised(Sequence):
+    """Depth layers (K, h, w), NaN or inf where there is none, in these units: one at a time, when it is asked for.
+
+    With weights (K, h, w), there is none where the weight is 0.
+    """
+
+    units: Units
+    depth: np.ndarray
+    weights: np.ndarray | None = None
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """(K, h, w)."""
+        return self.depth.shape
+
+    def __len__(self) -> int:
+        return len(self.depth)
+
+    def __getitem__(self, k: int) -> np.ndarray:
+        """Layer k (h, w) float32, NaN where there is none."""
+        depth = self.depth[k] if self.weights is None else np.where(self.weights[k] > 0, self.depth[k], np.nan)
+        return self.units.normalise(depth)
+
+
+def measure(layers: np.ndarray, weights: np.ndarray | None = None, *, inverse: bool) -> Units:
+    """Units of depth layers (K, h, w), inf = nothing; with weights (K, h, w), weight 0 = nothing too.
+
+    NoSolution if no pixel of the reference was observed.
+    """
+    extremes = [_extreme(layers[k], None if weights is None else weights[k], inverse) for k in range(len(layers))]
+    least = min(extremes)
+    if not np.isfinite(least):
         raise NoSolution("no view has a valid depth inside the reference view: check the poses, their direction and the unit")
-    sample = np.where(seen, layers, np.nan)[:, :: max(layers[0].size // SAMPLE, 1)]
-    sample = sample if np.isfinite(sample).any() else np.where(seen, layers, np.nan)
+    step = max(layers[0].size // SAMPLE, 1)
+    sample = _seen(layers[:, ::step], None if weights is None else weights[:, ::step])
+    sample = sample if np.isfinite(sample).any() else _seen(layers, weights)
     q = 1 / sample if inverse else sample
     centre = float(np.nanmedian(q))
-    least = 1 / layers.max(where=seen, initial=0) if inverse else layers.min()
-    return Units(inverse, centre, max(noise_scale(q), SMALLEST_NOISE * abs(centre)), floor=float(least) / 2)
+    return Units(inverse, centre, max(noise_scale(q), SMALLEST_NOISE * abs(centre)), floor=least / 2)
+
+
+def _seen(layers: np.ndarray, weights: np.ndarray | None) -> np.ndarray:
+    """Layers with NaN where there is nothing."""
+    seen = np.isfinite(layers) if weights is None else np.isfinite(layers) & (weights > 0)
+    return np.where(seen, layers, np.nan)
+
+
+def _extreme(layer: np.ndarray, weights: np.ndarray | None, inverse: bool) -> float:
+    """The least depth, or the least inverse depth, of a layer; infinite if it has none."""
+    seen = np.isfinite(layer) if weights is None else np.isfinite(layer) & (weights > 0)
+    if not inverse:
+        return float(layer.min(where=seen, initial=np.inf))
+    furthest = float(layer.max(where=seen, initial=0))
+    return 1 / furthest if furthest else np.inf
 
 
 def noise_scale(q: np.ndarray) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +10,12 @@ import numpy as np
 from ipcli.inverse.regularize import tgv
 from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Observations
 from ipcli.inverse.regularize.parameters import Regulariser, Solver
+from ipcli.models.fusion.observations import Normalised
 
 SMALLEST = 24  # pixels along the shorter side of the coarsest level
 
 
-def start(layers: np.ndarray, lam: float, regulariser: Regulariser, solver: Solver, levels: int) -> tgv.Iterate:
+def start(layers: np.ndarray | Normalised, lam: float, regulariser: Regulariser, solver: Solver, levels: int) -> tgv.Iterate:
     """An iterate (h, w) near the minimiser of TGV + lambda sum_k |x - d_k| for layers (K, h, w), NaN = nothing.
 
     Solves at half the size and enlarges the solution; the coarsest level starts at the median. One pixel of half the size
@@ -38,11 +40,15 @@ def filled_median(data: Observations) -> np.ndarray:
     return np.where(data.count > 0, median, np.nanmedian(median)).astype(np.float32)
 
 
-def halved(layers: np.ndarray) -> np.ndarray:
-    """Layers (K, h, w) at half the size, the last odd row or column dropped: means of the up to four observations."""
-    k, h, w = layers.shape
-    blocks = layers[:, : h // 2 * 2, : w // 2 * 2].reshape(k, h // 2, 2, w // 2, 2)
-    quarters = np.stack([blocks[:, :, i, :, j] for i in (0, 1) for j in (0, 1)])
+def halved(layers: Sequence[np.ndarray]) -> np.ndarray:
+    """K layers (h, w) at half the size (K, h, w), the last odd row or column dropped: means of the up to four observations."""
+    return np.stack([_halved(layers[k]) for k in range(len(layers))])
+
+
+def _halved(layer: np.ndarray) -> np.ndarray:
+    h, w = layer.shape
+    blocks = layer[: h // 2 * 2, : w // 2 * 2].reshape(h // 2, 2, w // 2, 2)
+    quarters = np.stack([blocks[:, i, :, j] for i in (0, 1) for j in (0, 1)])
     present = np.isfinite(quarters)
     with np.errstate(invalid="ignore"):
         return np.where(present, quarters, 0).sum(axis=0) / present.sum(axis=0, dtype=np.float32)

@@ -22,22 +22,29 @@ GRAZING = 0.1  # least cosine between a ray with z = 1 and a normal for which th
 LARGEST_SHIFT = 0.05  # share of the depth by which the tangent plane may differ within half a pixel
 
 
-def reassociate(depth: np.ndarray, views: Sequence[View], reference: View, forward: Layers, units: Units) -> Layers:
+def reassociate(
+    depth: np.ndarray, views: Sequence[View], reference: View, forward: Layers, units: Units, *, in_place: bool = False
+) -> Layers:
     """Layers (K, h, w) by the surface of a first fused map `depth` (h, w), in place of those of forward projection.
 
     Where what was looked up is more than GATE noise scales away from the map, or nothing was, the forward projected
-    observation stays: it does not rest on the map, and so holds against a map that is wrong, as beside an occlusion.
+    observation stays: it does not rest on the map, and so holds against a map that is wrong, as beside an occlusion. In place,
+    the forward projected layers are lost.
     """
     from ipcli.kernels import threads
 
     facing = normals(depth, reference.intrinsics)
-    seen = threads.each(lambda view: look_up(view, reference, depth, facing, units), views)
-    near = np.stack([np.isfinite(observed) for observed, _ in seen])
-    observed = np.where(near, np.stack([observed for observed, _ in seen]), forward.depth)
-    if forward.confidence is None:
-        return Layers(observed, None)
-    given = np.stack([np.ones(depth.shape, np.float32) if c is None else c for _, c in seen])
-    return Layers(observed, np.where(near, given, forward.confidence))
+    layers = forward if in_place else forward.copy()
+
+    def one(k: int) -> None:
+        seen, confidence = look_up(views[k], reference, depth, facing, units)
+        near = np.isfinite(seen)
+        np.copyto(layers.depth[k], seen, where=near)
+        if layers.confidence is not None:
+            np.copyto(layers.confidence[k], np.float32(1) if confidence is None else confidence, where=near)
+
+    threads.each(one, range(len(views)))
+    return layers
 
 
 def look_up(

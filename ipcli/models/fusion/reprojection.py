@@ -17,6 +17,10 @@ class Layers:
     depth: np.ndarray  # (K, h, w) float32, +inf = nothing
     confidence: np.ndarray | None  # (K, h, w) float32, the given confidence of the point that was seen
 
+    def copy(self) -> Layers:
+        """The same in other memory."""
+        return Layers(self.depth.copy(), None if self.confidence is None else self.confidence.copy())
+
 
 def reproject(view: View, reference: View) -> tuple[np.ndarray, np.ndarray | None]:
     """Depth (h, w) and given confidence (h, w) of a view, as seen from the reference camera; +inf where nothing lands.
@@ -43,8 +47,13 @@ def reproject_all(views: Sequence[View], reference: View) -> Layers:
     """All views in the reference camera; a view without given confidence counts as confidence 1 beside others that have one."""
     from ipcli.kernels import threads
 
-    seen = threads.each(lambda view: reproject(view, reference), views)
-    depth = np.stack([d for d, _ in seen])
-    if all(c is None for _, c in seen):
+    depth = np.empty((len(views), *reference.depth.shape), np.float32)
+
+    def one(k: int) -> np.ndarray | None:
+        depth[k], confidence = reproject(views[k], reference)
+        return confidence
+
+    given = threads.each(one, range(len(views)))
+    if all(c is None for c in given):
         return Layers(depth, None)
-    return Layers(depth, np.stack([np.isfinite(d).astype(np.float32) if c is None else c for d, c in seen]))
+    return Layers(depth, np.stack([np.isfinite(d).astype(np.float32) if c is None else c for d, c in zip(depth, given, strict=True)]))
