@@ -120,18 +120,39 @@ def fused_artefact(
     from ipcli.io import camera
     from ipcli.kernels import threads
     from ipcli.models.fusion.fuse import fuse
+    from ipcli.models.fusion.tiles import fuse_in_tiles, side_of_tiles
 
-    loaded = threads.each(lambda name: sequence.load(name, pictures=name == reference_name), names)
-    views = dict(zip(names, loaded, strict=True))
-    reference = camera.read(Path(params.camera)) if params.camera else views[reference_name]
+    reference = camera.read(Path(params.camera)) if params.camera else sequence.load(reference_name)
     domain = sequence.measured if params.domain == "auto" else params.domain
-    fused = fuse(list(views.values()), reference, params.fusion, inverse=domain == "disparity", progress=progress)
-    table = view_table(fused, views)
+    views, inverse = Loading(sequence, names, reference), domain == "disparity"
+    side = side_of_tiles(params.fusion, reference.depth.shape, len(names))
+    if side:
+        fused = fuse_in_tiles(views, reference, params.fusion, side, inverse=inverse, progress=progress)
+    else:
+        views = threads.each(lambda k: views[k], range(len(names)))
+        fused = fuse(views, reference, params.fusion, inverse=inverse, progress=progress)
+    table = view_table(fused, names, views)
     others = [name != reference.name for name in names]
     if any(others) and not (table["view_overlap"][others] > LEAST_OVERLAP).any():
         raise NoSolution(no_overlap(reference.name, table, sequence.unit))
     progress(0.9, "writing")
     return described(fused, reference, sequence, domain, params) | table | judged(fused, reference, sequence.baseline_focal)
+
+
+class Loading(Sequence):
+    """The views of these names (K), each read when it is asked for; without pictures, but for the reference, which is at hand."""
+
+    def __init__(self, sequence: Views, names: Sequence[str], reference: View):
+        self.sequence, self.names, self.reference = sequence, names, reference
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __getitem__(self, k: int) -> View:
+        if not 0 <= k < len(self.names):
+            raise IndexError(k)
+        name = self.names[k]
+        return self.reference if name == self.reference.name else self.sequence.load(name, pictures=False)
 
 
 def described(fused: Fused, reference: View, sequence: Views, domain: str, params: Params) -> dict[str, np.ndarray]:
@@ -162,20 +183,22 @@ def described(fused: Fused, reference: View, sequence: Views, domain: str, param
     return arrays | ({} if reference.image is None else {"image": reference.image})
 
 
-def view_table(fused: Fused, views: Mapping[str, View]) -> dict[str, np.ndarray]:
+def view_table(fused: Fused, names: Sequence[str], views: Sequence[View]) -> dict[str, np.ndarray]:
     """What each view gave: its valid share, the share of the reference it reached and how far it is from the fused map."""
     import numpy as np
 
     from ipcli.kernels import threads
 
-    def residual(layer: np.ndarray) -> float:
-        hit = np.isfinite(layer)
-        return float(np.median(np.abs(layer[hit] - fused.depth[hit]))) if hit.any() else np.nan
+    depth = fused.depth[:: fused.every, :: fused.every]
 
-    step = -(-max(fused.depth.shape) // THUMBNAIL)
+    def residual(layer: np.ndarray) -> float:
+        hit = np.isfinite(layer) & np.isfinite(depth)
+        return float(np.median(np.abs(layer[hit] - depth[hit]))) if hit.any() else np.nan
+
+    step = -(-max(depth.shape) // THUMBNAIL)
     return {
-        "views": np.array(list(views)),
-        "view_valid": np.array([np.isfinite(view.depth).mean() for view in views.values()]),
+        "views": np.array(list(names)),
+        "view_valid": np.array(threads.each(lambda k: np.isfinite(views[k].depth).mean(), range(len(names)))),
         "view_overlap": np.isfinite(fused.layers).mean(axis=(1, 2)),
         "view_residual": np.array(threads.each(residual, list(fused.layers))),
         "thumbnails": np.ascontiguousarray(fused.layers[:, step // 2 :: step, step // 2 :: step]),

@@ -196,3 +196,12 @@ def test_progress_never_goes_back(source, tmp_path):
     fuse_depth.run(source, tmp_path / "x.h5", Params(fusion=QUICK), Run(), lambda share, text: told.append((share, text)))
     shares = [share for share, _ in told]
     assert shares == sorted(shares) and 0 <= shares[0] and shares[-1] <= 1 and len({text for _, text in told}) >= 3
+
+
+def test_in_tiles_the_artefact_is_sound_and_as_near_to_the_truth(whole, source, tmp_path):
+    tiled, at_once = arrays(source, tmp_path, fusion=replace(QUICK, tile=32)), h5.read(whole, "depth").arrays
+    schema.validate(schema.kind("depth"), tiled)
+    np.testing.assert_allclose(tiled["metrics"], at_once["metrics"], rtol=0.05, atol=1e-3)
+    np.testing.assert_allclose(tiled["view_overlap"], at_once["view_overlap"], atol=0.05)
+    np.testing.assert_allclose(tiled["view_residual"], at_once["view_residual"], rtol=0.15)
+    np.testing.assert_array_equal(tiled["view_valid"], at_once["view_valid"])

@@ -13,7 +13,7 @@ from ipcli.inverse.regularize import tgv
 from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Observations, SquaredDeviations
 from ipcli.models.fusion import confidence as priors
 from ipcli.models.fusion.alternation import ALGORITHMS, START, History, Problem, with_given_confidence
-from ipcli.models.fusion.observations import Normalised, Units, measure
+from ipcli.models.fusion.observations import Normalised, Units, floor, measure
 from ipcli.models.fusion.parameters import METHODS, Fusion, Method
 from ipcli.models.fusion.pyramid import start
 from ipcli.models.fusion.reassociation import reassociate
@@ -29,10 +29,19 @@ class Fused:
     observations: np.ndarray  # uint16
     mean: np.ndarray  # float32, of the forward projected observations, NaN where there are none
     median: np.ndarray  # float32, likewise
-    layers: np.ndarray  # (K, h, w) float32, what each view said in the end, NaN = nothing
+    layers: np.ndarray  # (K, h / every, w / every) float32, what each view said in the end, NaN = nothing
     lam: float  # weight of the data
     noise_scale: float  # of the observations: in the unit of depth, or of its inverse
     history: np.ndarray  # (n, 5) round, iteration, energy, restricted gap, merit; of the last pass
+    every: int = 1  # so many-th rows and columns are in `layers`
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What a pass takes from the image as a whole."""
+
+    units: Units
+    lam: float
 
 
 def fuse(
@@ -42,25 +51,28 @@ def fuse(
     *,
     inverse: bool,
     progress: Callable[[float, str], None] = lambda share, what: None,
+    scales: Sequence[Scale] | None = None,
 ) -> Fused:
     """Fuse the views, the reference among them if it is to count, in depth or in inverse depth.
 
     Planes are affine in inverse depth, and the noise of stereo is homogeneous there; depth sensors want depth. Methods with
     regularisation then look their observations up anew by the map that they found, `fusion.reassociate` times; mean and median
-    stay those of the forward projection (4.34). Raises NoSolution if no view reaches the reference camera.
+    stay those of the forward projection (4.34). `scales`, one for each pass, are measured if not given. Raises NoSolution if no
+    view reaches the reference camera.
     """
     progress(0.0, "reprojecting")
     forward = reproject_all(views, reference)
-    passes = fusion.reassociate if METHODS[fusion.method].order else 0
+    passes = passes_after_first(fusion)
+    scales = scales or [None] * (passes + 1)
     progress(0.2, "fusing")
-    last = fuse_layers(forward, reference, first_pass(fusion) if passes else fusion, inverse=inverse)
+    last = fuse_layers(forward, reference, first_pass(fusion) if passes else fusion, inverse=inverse, scale=scales[0])
     mean, median = (last.units.depth(image) for image in (last.data.mean(), last.data.median()))
     for done in range(1, passes + 1):
         progress(0.2 + 0.7 * done / (passes + 1), "fusing again, by the map so far")
         before, last = last.ended, None  # whose observations need not be in memory beside the next ones
         layers = reassociate(before.depth, views, reference, forward, before.units, in_place=done == passes)
         settings = fusion if done == passes else first_pass(fusion)
-        last = fuse_layers(layers, reference, settings, inverse=inverse, before=before)
+        last = fuse_layers(layers, reference, settings, inverse=inverse, before=before, scale=scales[done])
     layers = last.layers
     layers[~np.isfinite(layers)] = np.nan
     return Fused(
@@ -116,7 +128,15 @@ class Pass:
         return Ended(self.iterate, self.units)
 
 
-def fuse_layers(layers: Layers, reference: View, fusion: Fusion, *, inverse: bool, before: Ended | None = None) -> Pass:
+def fuse_layers(
+    layers: Layers,
+    reference: View,
+    fusion: Fusion,
+    *,
+    inverse: bool,
+    before: Ended | None = None,
+    scale: Scale | None = None,
+) -> Pass:
     """One fusion of observations that are where they belong, from where a pass before ended or from a coarse grid.
 
     NoSolution if there are no observations, or all have weight 0.
@@ -124,11 +144,14 @@ def fuse_layers(layers: Layers, reference: View, fusion: Fusion, *, inverse: boo
     weights = layers.confidence if fusion.confidence.given else None
     if weights is not None and np.isfinite(layers.depth).any() and not (weights[np.isfinite(layers.depth)] > 0).any():
         raise NoSolution("the given confidence of every observation is 0: correct it, or ignore it with --no-given-confidence")
-    units = measure(layers.depth, weights, inverse=inverse)
+    if scale is None:
+        units = measure(layers.depth, weights, inverse=inverse)
+    else:
+        units = replace(scale.units, floor=floor(layers.depth, weights, inverse=inverse))
     x = Normalised(units, layers.depth, weights)
     data = Observations.of(x, weights)
     method = METHODS[fusion.method]
-    lam = balanced_lambda(data, method) if fusion.lam is None else fusion.lam
+    lam = scale.lam if scale else balanced_lambda(data, method) if fusion.lam is None else fusion.lam
     if method.of_median:
         x = data.median()[None]
     problem = pose(Observations.of(x) if method.of_median else data, lam, method, fusion)
@@ -141,6 +164,11 @@ def fuse_layers(layers: Layers, reference: View, fusion: Fusion, *, inverse: boo
     iterate = before.iterate_in(units) if before else start(x, lam * weight, problem.regulariser, fusion.solver, levels)
     problem = solve(problem, iterate, method, fusion, units, reference, history)
     return Pass(layers.depth, units, data, problem, iterate, history)
+
+
+def passes_after_first(fusion: Fusion) -> int:
+    """How often observations are looked up by the map so far."""
+    return fusion.reassociate if METHODS[fusion.method].order else 0
 
 
 def first_pass(fusion: Fusion) -> Fusion:

@@ -73,16 +73,21 @@ def measure(layers: np.ndarray, weights: np.ndarray | None = None, *, inverse: b
 
     NoSolution if no pixel of the reference was observed.
     """
-    extremes = [_extreme(layers[k], None if weights is None else weights[k], inverse) for k in range(len(layers))]
-    least = min(extremes)
-    if not np.isfinite(least):
-        raise NoSolution("no view has a valid depth inside the reference view: check the poses, their direction and the unit")
+    lowest = floor(layers, weights, inverse=inverse)
     step = max(layers[0].size // SAMPLE, 1)
     sample = _seen(layers[:, ::step], None if weights is None else weights[:, ::step])
     sample = sample if np.isfinite(sample).any() else _seen(layers, weights)
     q = 1 / sample if inverse else sample
     centre = float(np.nanmedian(q))
-    return Units(inverse, centre, max(noise_scale(q), SMALLEST_NOISE * abs(centre)), floor=least / 2)
+    return Units(inverse, centre, max(noise_scale(q), SMALLEST_NOISE * abs(centre)), lowest)
+
+
+def floor(layers: np.ndarray, weights: np.ndarray | None = None, *, inverse: bool) -> float:
+    """Half the least depth, or inverse depth, of layers as those of `measure`; NoSolution if there is none."""
+    least = min(_extreme(layers[k], None if weights is None else weights[k], inverse) for k in range(len(layers)))
+    if not np.isfinite(least):
+        raise NoSolution("no view has a valid depth inside the reference view: check the poses, their direction and the unit")
+    return least / 2
 
 
 def _seen(layers: np.ndarray, weights: np.ndarray | None) -> np.ndarray:

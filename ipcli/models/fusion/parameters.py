@@ -70,6 +70,9 @@ class Fusion:
         flag="--reassociate",
         low=0,
     )
+    tile: int | None = option(
+        None, "side of the tiles that are fused one by one, to bound memory; 0: one tile; if not given 1024 for large fusions", low=0, unit="px"
+    )
     huber: float = option(1.0, "width of the Huber deviation, in noise scales", low=1e-6)
     confidence: Confidence = field(default_factory=Confidence)
     regulariser: Regulariser = field(default_factory=Regulariser)

@@ -1,0 +1,155 @@
+"""The fusion of a large map tile by tile: memory is then that of one tile's observations, one view a thread and the map.
+
+A tile is fused with a margin that is thrown away. The noise scale and lambda are those of the whole map, from windows spread over
+it. What the data of a pixel say dies away within some ten pixels; only holes wider than the margin may be filled otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice, product
+
+import numpy as np
+
+from ipcli.errors import NoSolution
+from ipcli.geometry.cameras import View
+from ipcli.inverse.regularize.fidelity import Observations
+from ipcli.models.fusion.fuse import Fused, Scale, balanced_lambda, first_pass, fuse, fuse_layers, passes_after_first
+from ipcli.models.fusion.observations import Normalised, measure
+from ipcli.models.fusion.parameters import METHODS, Fusion
+from ipcli.models.fusion.reassociation import reassociate
+from ipcli.models.fusion.reprojection import Layers, reproject_all
+
+SIDE = 1024  # pixels of a tile, unless told otherwise
+MARGIN = 64  # pixels around it
+LARGE = 100_000_000  # observations from which on a map is fused in tiles by itself
+EVERY = 4  # so many-th rows and columns are kept of what each view said; divides the side of a tile
+WINDOW = 256  # pixels along a side of a window, of which there are WINDOWS x WINDOWS
+WINDOWS = 3
+
+
+@dataclass(frozen=True)
+class Window:
+    """A rectangle of the image."""
+
+    rows: slice
+    columns: slice
+
+    def of(self, image: np.ndarray | None) -> np.ndarray | None:
+        """That part of an image."""
+        return None if image is None else image[self.rows, self.columns]
+
+    def wider(self, margin: int) -> Window:
+        """With a margin; it may reach over the end of the image, as slices do."""
+        return Window(*(slice(max(s.start - margin, 0), s.stop + margin) for s in (self.rows, self.columns)))
+
+    def within(self, outer: Window) -> Window:
+        """The same rectangle counted from the corner of another."""
+        pairs = ((self.rows, outer.rows), (self.columns, outer.columns))
+        return Window(*(slice(own.start - other.start, own.stop - other.start) for own, other in pairs))
+
+    def camera(self, view: View) -> View:
+        """The view that sees but this rectangle."""
+        intrinsics = view.intrinsics.copy()
+        intrinsics[:2] -= np.outer((self.columns.start, self.rows.start), intrinsics[2])
+        parts = {name: self.of(getattr(view, name)) for name in ("depth", "confidence", "image", "truth")}
+        return replace(view, intrinsics=intrinsics, **parts)
+
+
+def side_of_tiles(fusion: Fusion, shape: tuple[int, int], views: int) -> int:
+    """Side of the tiles to fuse in, 0 for all at once."""
+    if fusion.tile is None:
+        return SIDE if views * shape[0] * shape[1] > LARGE else 0
+    return -(-fusion.tile // EVERY) * EVERY
+
+
+def fuse_in_tiles(
+    views: Sequence[View],
+    reference: View,
+    fusion: Fusion,
+    side: int,
+    *,
+    inverse: bool,
+    progress: Callable[[float, str], None] = lambda share, what: None,
+) -> Fused:
+    """As `fuse`, tile by tile; views are asked for again for every tile. A tile that nothing reaches stays NaN.
+
+    `layers` keeps every 4th row and column; the history is that of the tile with the largest gap.
+    """
+    shape, scales = reference.depth.shape, survey(views, reference, fusion, side, inverse=inverse)
+    whole, windows = empty(len(views), shape, scales[-1]), tiles(shape, side)
+    for done, window in enumerate(windows):
+        progress(0.1 + 0.8 * done / len(windows), f"fusing tile {done + 1} of {len(windows)}")
+        wide = window.wider(MARGIN)
+        try:
+            part = fuse(views, wide.camera(reference), fusion, inverse=inverse, scales=scales)
+        except NoSolution:
+            continue
+        inner = window.within(wide)
+        for name in ("depth", "confidence", "observations", "mean", "median"):
+            window.of(getattr(whole, name))[:] = inner.of(getattr(part, name))
+        kept = part.layers[:, inner.rows.start : inner.rows.stop : EVERY, inner.columns.start : inner.columns.stop : EVERY]
+        top, left = window.rows.start // EVERY, window.columns.start // EVERY
+        whole.layers[:, top : top + kept.shape[1], left : left + kept.shape[2]] = kept
+        if len(part.history) and (not len(whole.history) or part.history[-1, 3] > whole.history[-1, 3]):
+            whole = replace(whole, history=part.history)
+    return whole
+
+
+def tiles(shape: tuple[int, int], side: int) -> list[Window]:
+    """Tiles that cover an image (h, w), without margin."""
+    edges = [[slice(start, min(start + side, n)) for start in range(0, n, side)] for n in shape]
+    return [Window(rows, columns) for rows, columns in product(*edges)]
+
+
+def empty(k: int, shape: tuple[int, int], scale: Scale) -> Fused:
+    """A map of which nothing is known yet."""
+
+    def nothing() -> np.ndarray:
+        return np.full(shape, np.nan, np.float32)
+
+    kept = np.full((k, *(-(-n // EVERY) for n in shape)), np.nan, np.float32)
+    return Fused(
+        nothing(), np.zeros(shape, np.float32), np.zeros(shape, np.uint16), nothing(), nothing(),
+        kept, scale.lam, scale.units.scale, np.empty((0, 5)), EVERY,
+    )  # fmt: skip
+
+
+def survey(views: Sequence[View], reference: View, fusion: Fusion, side: int, *, inverse: bool) -> list[Scale]:
+    """The scale of each pass, from windows spread over the map, or from the first tile that sees anything if they do not."""
+    shape = reference.depth.shape
+    corners = [sorted({(n - min(WINDOW, n)) * i // (WINDOWS - 1) for i in range(WINDOWS)}) for n in shape]
+    spread = [Window(*(slice(at, at + min(WINDOW, n)) for at, n in zip(corner, shape, strict=True))) for corner in product(*corners)]
+    seen = list(_seen(views, reference, spread)) or list(islice(_seen(views, reference, tiles(shape, side)), 1))
+    if not seen:
+        raise NoSolution("no view has a valid depth inside the reference view: check the poses, their direction and the unit")
+    scales, now = [], [layers for _, layers in seen]
+    for done in range(passes_after_first(fusion) + 1):
+        if done:
+            for i, (camera, forward) in enumerate(seen):
+                ended = fuse_layers(now[i], camera, first_pass(fusion), inverse=inverse, scale=scales[-1]).ended
+                now[i] = reassociate(ended.depth, views, camera, forward, ended.units)
+        scales.append(_scale(now, fusion, inverse))
+    return scales
+
+
+def _seen(views: Sequence[View], reference: View, windows: Sequence[Window]) -> Iterator[tuple[View, Layers]]:
+    """The cameras of the windows that a view reaches, and what the views say there."""
+    for window in windows:
+        camera = window.camera(reference)
+        layers = reproject_all(views, camera)
+        if np.isfinite(layers.depth).any():
+            yield camera, layers
+
+
+def _scale(windows: Sequence[Layers], fusion: Fusion, inverse: bool) -> Scale:
+    """Units and lambda of the observations of windows of one shape."""
+    depth = np.concatenate([layers.depth for layers in windows], axis=1)
+    weights = None
+    if fusion.confidence.given and windows[0].confidence is not None:
+        weights = np.concatenate([layers.confidence for layers in windows], axis=1)
+    units = measure(depth, weights, inverse=inverse)
+    if fusion.lam is not None:
+        return Scale(units, fusion.lam)
+    return Scale(units, balanced_lambda(Observations.of(Normalised(units, depth, weights), weights), METHODS[fusion.method]))
