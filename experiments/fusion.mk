@@ -1,105 +1,132 @@
-# Fusion of real and of rendered sequences (thesis chapter 4): each target ends in a table and a page under build/experiments/.
-#   make experiments/fusion-kitti         KITTI stereo 2012, disparities of both cameras
+# Fusion of rendered and of real sequences (thesis chapter 4). Each target ends in one page, build/experiments/fusion-NAME/index.html,
+# beside the thesis' tables and figures, with the same as CSV and JSON, the figures as PDF and PNG, and an artefact a step:
+#   make experiments/fusion-objects       rendered objects, Laplace noise of 0.6 (table 4.2, figures 4.1 to 4.4, 4.8, 4.9)
+#   make experiments/fusion-urban         rendered city blocks, Laplace noise of 6 (table 4.3, figures 4.5, 4.6, 4.10)
+#   make experiments/fusion-kitti         KITTI stereo 2012, disparities of both cameras (tables 4.4, 4.5)
 #   make experiments/fusion-livingroom    ICL-NUIM living room, Laplace noise of 30 mm
 #   make experiments/fusion-kitchen       7-Scenes Kinect frames, a page to look at
-#   make experiments/fusion-objects       rendered objects, Laplace noise of 0.6 (thesis table 4.2)
-#   make experiments/fusion-urban         rendered city blocks, Laplace noise of 6 (thesis table 4.3)
-#   make experiments/fusion-objects-sweeps, experiments/fusion-urban-sweeps
-#                                         noise, number of views and spacing (figures 4.3, 4.5): a table a setting, a page of curves
-# The rendered ones take QUICK=1: small pictures of generated solids, which need no data.
-# DATA is the folder of the data sets. Parameters were chosen on the scenes called DEVELOPMENT; the tables show the others.
+# QUICK=1 takes small generated scenes in place of the data sets and is done in a minute or two, in a folder of its own.
+# DATA is the folder of the data sets. Lambda is tuned for each method on the DEVELOPMENT scenes; the tables show the others.
+# A step whose artefact is there is not done again: after a kill, make goes on where it was.
 
 DATA ?= $(or $(IPCLI_DATA),../shared/data)
-METHODS ?= l1-adapt tgv-l1 tgv-huber tv-l1 rof-median
+MESHES := build/meshes
+ALGORITHMS := rof-adapt:ama rof-adapt:biconvex l1-adapt:ama l1-adapt:biconvex adapt-hprior:ama adapt-hprior:biconvex \
+    adapt-hprior-g:ama adapt-hprior-g:biconvex
+ONE_EACH := rof rof-median tv-l1 tgv-l1 tgv-huber l1-heuristic rof-adapt l1-adapt adapt-hprior adapt-hprior-g
+METHODS ?= all
+SWEEP_METHODS ?= median rof-median tgv-l1 l1-heuristic l1-adapt adapt-hprior
+LAMBDAS ?= 0.07 0.1 0.14 0.2 0.28 0.4 0.56 0.8 1.6 3.2 6.4
+# On the grid every map is solved roughly: that moves the errors by some per cent and takes a fifth of the time.
+# SOLVER="$(ROUGHLY)" does the same for the tables.
+SOLVER ?=
+ROUGHLY := --set fusion.solver.tolerance=0.01 --set fusion.solver.iterations=100
 
-KITTI := build/experiments/fusion-kitti
+OBJECTS_DEVELOPMENT := bun_zipper_ascii chicken2
+OBJECTS_SCENES ?= dragon_vrip_res2_0 happy_vrip_res3_0 Armadillo_vres2_small_scaled_0 cheff_simple parasaurolophus_low_normals2 trex_small
+URBAN_DEVELOPMENT := delft_lod1
+URBAN_SCENES ?= 3dfier_innerbuffer_05 3dfier_testarea
 KITTI_DEVELOPMENT := 000000 000016 000032 000048 000064
 KITTI_PAIRS := 000008 000024 000040 000056 000072
 KITTI_BUNDLES := 000027 000074 000138 000151 000174
 KITTI_SCENES ?= $(KITTI_PAIRS) $(KITTI_BUNDLES)
-KITTI_POSES := $(DATA)/fusion/kitti2012_poses/poses_training_cam2world.npz
+LIVINGROOM_DEVELOPMENT := 00075
+LIVINGROOM_SCENES ?= 00090 00100 00115 00130
+# The thesis' camera is 640 x 480; an object of radius 1 never leaves the middle 416 x 416, and the rest is empty.
+RENDER := --width 416 --height 416
+FLY := --path strip
+OBJECTS_NOISES := 0.1 0.3 0.6 0.8 1.0
+OBJECTS_SPACINGS := 0.5 1 2 3 4
+URBAN_NOISES := 1 3 6 8 10
+URBAN_SPACINGS := 2 4 8 12 16
+COUNTS := 3 7 11 15 21
+OBJECTS_SWEPT := dragon_vrip_res2_0 Armadillo_vres2_small_scaled_0
+URBAN_SWEPT := 3dfier_testarea
+KITTI_METHODS ?= $(ONE_EACH)
+SOURCE_PAIRS := $(DATA)/fusion/kitti2012_pairs
+SOURCE_POSES := $(DATA)/fusion/kitti2012_poses/poses_training_cam2world.npz
+SOURCE_ROOM := $(DATA)/fusion/livingroom1_clean_micro
+MATCHING :=
+CAMERA :=
+SUFFIX :=
 
-ROOM := build/experiments/fusion-livingroom
-ROOM_DEVELOPMENT := 00075
-ROOM_FRAMES ?= 00090 00100 00115 00130
+ifdef QUICK
+SUFFIX := -quick
+METHODS := $(ONE_EACH) l1-adapt:ama l1-adapt:biconvex
+SOLVER := $(ROUGHLY)
+LAMBDAS := 0.1 0.3 1
+SWEEP_METHODS := median tgv-l1 l1-adapt
+OBJECTS_DEVELOPMENT := torus
+OBJECTS_SCENES := knot
+URBAN_DEVELOPMENT := village
+URBAN_SCENES := town
+KITTI_DEVELOPMENT := 000000
+KITTI_PAIRS := 000001 000002
+KITTI_BUNDLES :=
+LIVINGROOM_DEVELOPMENT := 00008
+LIVINGROOM_SCENES := 00012
+KITTI_SCENES := $(KITTI_PAIRS)
+RENDER := --width 104 --height 104 --focal 144
+FLY := --path strip --width 160 --height 120 --focal 144
+OBJECTS_NOISES := 0.3 0.6
+OBJECTS_SPACINGS := 1 3
+URBAN_NOISES := 3 6
+URBAN_SPACINGS := 4 12
+COUNTS := 5 11
+OBJECTS_SWEPT := $(OBJECTS_SCENES)
+URBAN_SWEPT := $(URBAN_SCENES)
+SOURCE_PAIRS := build/recordings/street
+SOURCE_POSES := build/recordings/street/poses
+SOURCE_ROOM := build/recordings/room
+MATCHING := --set sgbm.disparities=64
+CAMERA := --intrinsics 131.25,131.25,79.875,59.875
+endif
 
+OBJECTS := build/experiments/fusion-objects$(SUFFIX)
+URBAN := build/experiments/fusion-urban$(SUFFIX)
+KITTI := build/experiments/fusion-kitti$(SUFFIX)
+LIVINGROOM := build/experiments/fusion-livingroom$(SUFFIX)
 KITCHEN := build/experiments/fusion-kitchen
 
-MESHES := build/meshes
-ifdef QUICK
-OBJECTS := build/experiments/fusion-objects-quick
-URBAN := build/experiments/fusion-urban-quick
-OBJECT_SCENES := torus
-URBAN_PLY := town
-URBAN_OBJ :=
-RENDERED_METHODS ?= l1-adapt tgv-l1
-RENDER := --width 160 --height 120 --focal 144
-else
-OBJECTS := build/experiments/fusion-objects
-URBAN := build/experiments/fusion-urban
-OBJECT_SCENES ?= bun_zipper_ascii dragon_vrip_res2_0 happy_vrip_res3_0 Armadillo_vres2_small_scaled_0 cheff_simple chicken2 \
-    parasaurolophus_low_normals2 trex_small
-URBAN_PLY ?= delft_lod1
-URBAN_OBJ ?= 3dfier_innerbuffer_05 3dfier_testarea
-RENDERED_METHODS ?= $(METHODS) l1-heuristic adapt-hprior
-RENDER :=
-endif
-OBJECT_NOISE ?= laplace:0.6
-URBAN_NOISE ?= laplace:6
-
-.PHONY: experiments/fusion-kitti experiments/fusion-livingroom experiments/fusion-kitchen
-.PHONY: experiments/fusion-objects experiments/fusion-urban
 .SECONDARY:
+.PHONY: experiments/fusion-objects experiments/fusion-urban experiments/fusion-kitti experiments/fusion-livingroom experiments/fusion-kitchen
 
-experiments/fusion-kitti: $(KITTI)/table.h5
-	@echo "Open $(CURDIR)/$(KITTI)/table.html in a browser"
+experiments/fusion-objects: $(OBJECTS)/index.html
+experiments/fusion-urban: $(URBAN)/index.html
+experiments/fusion-kitti: $(KITTI)/index.html
+experiments/fusion-livingroom: $(LIVINGROOM)/index.html
+experiments/fusion-kitchen: $(KITCHEN)/frame-000180.fused.html
+experiments/fusion-objects experiments/fusion-urban experiments/fusion-kitti experiments/fusion-livingroom experiments/fusion-kitchen:
+	@echo "Open $(CURDIR)/$< in a browser"
 
-experiments/fusion-livingroom: $(ROOM)/table.h5
-	@echo "Open $(CURDIR)/$(ROOM)/table.html in a browser"
+# Views: from meshes, from stereo pairs, from a recording.
 
-experiments/fusion-kitchen: $(KITCHEN)/frame-000180.fused.h5
-	@echo "Open $(CURDIR)/$(KITCHEN)/frame-000180.fused.html in a browser"
+mesh = $(MESHES)/meshes_$(1)/$(2)$(if $(filter 3dfier%,$(2)),.obj,.ply)
+# $(call rendered,folder,scenes,objects or urban,path camera and noise)
+define rendered
+$(foreach s,$(2),
+$(1)/$(s).views.h5: $(call mesh,$(3),$(s)) $$(INSTALLED)
+	$$(BIN)/ipcli render-views $$< $(4) -o $$@
 
-experiments/fusion-objects: $(OBJECTS)/table.h5
-	@echo "Open $(CURDIR)/$(OBJECTS)/table.html in a browser"
+)
+endef
+$(eval $(call rendered,$(OBJECTS),$(OBJECTS_DEVELOPMENT) $(OBJECTS_SCENES),objects,$(RENDER) --noise laplace:0.6))
+$(eval $(call rendered,$(URBAN),$(URBAN_DEVELOPMENT) $(URBAN_SCENES),urban,$(FLY) --noise laplace:6))
 
-experiments/fusion-urban: $(URBAN)/table.h5
-	@echo "Open $(CURDIR)/$(URBAN)/table.html in a browser"
+$(KITTI_BUNDLES:%=$(KITTI)/%.views.h5): $(KITTI)/%.views.h5: $(DATA)/fusion/kitti2012_multiview $(INSTALLED)
+	$(BIN)/ipcli kitti-views $< --poses $(SOURCE_POSES) --scenes $* -o $(KITTI)
 
-$(KITTI)/table.h5: $(foreach m,$(METHODS),$(KITTI_SCENES:%=$(KITTI)/%.$(m).h5))
-	$(BIN)/ipcli compare $^ -o $@ --overwrite
+$(KITTI)/%.views.h5: $(SOURCE_PAIRS) $(INSTALLED)
+	$(BIN)/ipcli kitti-views $< --poses $(SOURCE_POSES) --scenes $* $(MATCHING) -o $(KITTI)
 
-$(ROOM)/table.h5: $(foreach m,$(METHODS),$(ROOM_FRAMES:%=$(ROOM)/%.$(m).h5))
-	$(BIN)/ipcli compare $^ -o $@ --overwrite
+$(LIVINGROOM)/%.views.h5: $(SOURCE_ROOM) $(INSTALLED)
+	$(BIN)/ipcli import-views $< $(CAMERA) --reference $* --window 11 --noise laplace:0.03 -o $@
 
-$(KITTI_PAIRS:%=$(KITTI)/%.views.h5) $(KITTI_DEVELOPMENT:%=$(KITTI)/%.views.h5): $(KITTI)/%.views.h5: $(INSTALLED)
-	$(BIN)/ipcli kitti-views $(DATA)/fusion/kitti2012_pairs --poses $(KITTI_POSES) --scenes $* -o $(KITTI)
+$(KITCHEN)/%.fused.html: $(INSTALLED)
+	$(BIN)/fuse-depth $(DATA)/fusion/sevenscenes_kitchen --reference $* --window 11 -o $(@:.html=.h5)
 
-$(KITTI_BUNDLES:%=$(KITTI)/%.views.h5): $(KITTI)/%.views.h5: $(INSTALLED)
-	$(BIN)/ipcli kitti-views $(DATA)/fusion/kitti2012_multiview --poses $(KITTI_POSES) --scenes $* -o $(KITTI)
-
-$(ROOM)/%.views.h5: $(INSTALLED)
-	$(BIN)/ipcli import-views $(DATA)/fusion/livingroom1_clean_micro --reference $* --window 11 --noise laplace:0.03 -o $@
-
-$(KITCHEN)/%.fused.h5: $(INSTALLED)
-	$(BIN)/fuse-depth $(DATA)/fusion/sevenscenes_kitchen --reference $* --window 11 -o $@
-
-$(OBJECTS)/table.h5: $(foreach m,$(RENDERED_METHODS),$(OBJECT_SCENES:%=$(OBJECTS)/%.$(m).h5))
-	$(BIN)/ipcli compare $^ -o $@ --overwrite
-
-$(URBAN)/table.h5: $(foreach m,$(RENDERED_METHODS),$(addprefix $(URBAN)/,$(addsuffix .$(m).h5,$(URBAN_PLY) $(URBAN_OBJ))))
-	$(BIN)/ipcli compare $^ -o $@ --overwrite
-
-$(OBJECTS)/%.views.h5: $(MESHES)/meshes_objects/%.ply $(INSTALLED)
-	$(BIN)/ipcli render-views $< --noise $(OBJECT_NOISE) $(RENDER) -o $@
-
-$(URBAN_PLY:%=$(URBAN)/%.views.h5): $(URBAN)/%.views.h5: $(MESHES)/meshes_urban/%.ply $(INSTALLED)
-	$(BIN)/ipcli render-views $< --path strip --noise $(URBAN_NOISE) $(RENDER) -o $@
-
-$(URBAN_OBJ:%=$(URBAN)/%.views.h5): $(URBAN)/%.views.h5: $(MESHES)/meshes_urban/%.obj $(INSTALLED)
-	$(BIN)/ipcli render-views $< --path strip --noise $(URBAN_NOISE) $(RENDER) -o $@
-
-$(MESHES)/meshes_objects/torus.ply $(MESHES)/meshes_urban/town.ply: $(MESHES)/%.ply: experiments/solids.py $(INSTALLED)
+$(MESHES)/meshes_objects/torus.ply $(MESHES)/meshes_objects/knot.ply $(MESHES)/meshes_urban/town.ply $(MESHES)/meshes_urban/village.ply: \
+    $(MESHES)/%.ply: experiments/solids.py $(INSTALLED)
 	$(BIN)/python $< $@
 
 $(MESHES)/meshes_objects/%: $(DATA)/fusion/meshes_objects/meshes_objects.tar.xz
@@ -108,66 +135,52 @@ $(MESHES)/meshes_objects/%: $(DATA)/fusion/meshes_objects/meshes_objects.tar.xz
 $(MESHES)/meshes_urban/%: $(DATA)/fusion/meshes_urban/meshes_urban.tar.xz
 	mkdir -p $(MESHES) && tar -xJf $< -C $(MESHES) meshes_urban/$* && touch $@
 
-define fuse_by
-$(KITTI)/%.$(1).h5: $(KITTI)/%.views.h5
-	$(BIN)/fuse-depth $$< --config configs/fuse-depth/kitti.toml --method $(1) -o $$@ --overwrite
+build/recordings/%: experiments/recordings.py experiments/solids.py $(INSTALLED)
+	rm -rf $@ $@.part && $(BIN)/python $< $* $@.part && mv $@.part $@
 
-$(ROOM)/%.$(1).h5: $(ROOM)/%.views.h5
-	$(BIN)/fuse-depth $$< --reference $$* --method $(1) -o $$@ --overwrite
-endef
-$(foreach m,$(METHODS),$(eval $(call fuse_by,$(m))))
+# From views to the page. $(call experiment,NAME,folder,development scenes,scenes,methods,measure to tune for,flags,trials of sweeps)
 
-define fuse_rendered_by
-$(OBJECTS)/%.$(1).h5: $(OBJECTS)/%.views.h5
-	$(BIN)/fuse-depth $$< --method $(1) -o $$@ --overwrite
+comma := ,
+listed = $(subst $() $(),$(comma),$(strip $(1)))
 
-$(URBAN)/%.$(1).h5: $(URBAN)/%.views.h5
-	$(BIN)/fuse-depth $$< --method $(1) -o $$@ --overwrite
-endef
-$(foreach m,$(RENDERED_METHODS),$(eval $(call fuse_rendered_by,$(m))))
+define experiment
+$(2)/tuning.h5: $(3:%=$(2)/%.views.h5)
+	$$(BIN)/ipcli tune-fusion $$^ $(7) --methods $(call listed,$(5)) --lambdas $(call listed,$(LAMBDAS)) --measure '$(6)' $(ROUGHLY) -o $$@ --overwrite
 
-# One setting of a sweep: folder, scenes, mesh folder with %, how to render.
-SWEEP_METHODS ?= l1-adapt tgv-l1
-SWEPT_OBJECTS ?= $(firstword $(OBJECT_SCENES)) $(word 2,$(OBJECT_SCENES))
-SWEPT_URBAN ?= $(URBAN_PLY)
+$(4:%=$(2)/%.trials.h5): $(2)/%.trials.h5: $(2)/%.views.h5 $(2)/tuning.h5
+	$$(BIN)/ipcli evaluate-fusion $$< $(7) $(SOLVER) --methods $(call listed,$(5)) --tuning $(2)/tuning.h5 -o $$@ --overwrite
 
-define sweep_setting
-$(1)/table.h5: $(foreach m,$(SWEEP_METHODS),$(2:%=$(1)/%.$(m).h5))
-	$(BIN)/ipcli compare $$^ -o $$@ --overwrite
+$(2)/table.h5: $(4:%=$(2)/%.trials.h5)
+	$$(BIN)/ipcli compare $$^ -o $$@ --overwrite
 
-$(1)/%.views.h5: $(3) $(INSTALLED)
-	$(BIN)/ipcli render-views $$< $(4) $(RENDER) -o $$@
-
-$(foreach m,$(SWEEP_METHODS),$(call sweep_method,$(1),$(m)))
+$(2)/index.html: experiments/fusion_page.py experiments/figures.py experiments/bars.csv $(wildcard experiments/thesis/$(1)*.csv) \
+    $(2)/table.h5 $(2)/tuning.h5 $(4:%=$(2)/%.trials.h5) $(8)
+	$$(BIN)/python $$< $(if $(QUICK),--quick )$(1) $$@ $$(filter %.h5 %.npz,$$^)
 endef
 
-define sweep_method
-$(1)/%.$(2).h5: $(1)/%.views.h5
-	$(BIN)/fuse-depth $$< --method $(2) -o $$@ --overwrite
-
+# Sweeps: views and trials of every setting. $(call sweeps,folder,scenes,objects or urban,rendering,default noise,noises,spacings)
+define setting
+$(call rendered,$(1),$(2),$(3),$(4))
+$(2:%=$(1)/%.trials.h5): $(1)/%.trials.h5: $(1)/%.views.h5
+	$$(BIN)/ipcli evaluate-fusion $$< $(SOLVER) --methods $(call listed,$(SWEEP_METHODS)) --keep median -o $$@ --overwrite
 
 endef
-
-define sweep
-.PHONY: experiments/fusion-$(1)-sweeps
-experiments/fusion-$(1)-sweeps: $(2)/sweeps.html
-	@echo "Open $(CURDIR)/$(2)/sweeps.html in a browser"
-
-$(2)/sweeps.html: experiments/curves.py $(6:%=$(2)/noise-%/table.h5) $(7:%=$(2)/views-%/table.h5) $(8:%=$(2)/spacing-%/table.h5)
-	$(BIN)/python experiments/curves.py $$@ $$(filter %.h5,$$^)
-
-$(foreach n,$(6),$(eval $(call sweep_setting,$(2)/noise-$(n),$(3),$(4),$(5) --noise laplace:$(n))))
-$(foreach n,$(7),$(eval $(call sweep_setting,$(2)/views-$(n),$(3),$(4),$(5) --noise $(9) --views $(n))))
-$(foreach n,$(8),$(eval $(call sweep_setting,$(2)/spacing-$(n),$(3),$(4),$(5) --noise $(9) --spacing $(n))))
+define sweeps
+$(foreach n,$(6),$(call setting,$(1)/laplace-$(n),$(2),$(3),$(4) --noise laplace:$(n)))
+$(foreach n,$(6),$(call setting,$(1)/gauss-$(n),$(2),$(3),$(4) --noise gauss:$(n)))
+$(foreach n,$(COUNTS),$(call setting,$(1)/views-$(n),$(2),$(3),$(4) --noise laplace:$(5) --views $(n)))
+$(foreach n,$(7),$(call setting,$(1)/spacing-$(n),$(2),$(3),$(4) --noise laplace:$(5) --spacing $(n)))
 endef
+settings = $(1:%=laplace-%) $(1:%=gauss-%) $(COUNTS:%=views-%) $(2:%=spacing-%)
+$(eval $(call sweeps,$(OBJECTS),$(OBJECTS_SWEPT),objects,$(RENDER),0.6,$(OBJECTS_NOISES),$(OBJECTS_SPACINGS)))
+$(eval $(call sweeps,$(URBAN),$(URBAN_SWEPT),urban,$(FLY),6,$(URBAN_NOISES),$(URBAN_SPACINGS)))
+OBJECTS_SWEEPS := $(foreach s,$(call settings,$(OBJECTS_NOISES),$(OBJECTS_SPACINGS)),$(OBJECTS_SWEPT:%=$(OBJECTS)/$(s)/%.trials.h5))
+URBAN_SWEEPS := $(foreach s,$(call settings,$(URBAN_NOISES),$(URBAN_SPACINGS)),$(URBAN_SWEPT:%=$(URBAN)/$(s)/%.trials.h5))
 
-ifdef QUICK
-LEVELS := 1 3
-else
-LEVELS := 1 2 3 4 5
-endif
-pick = $(foreach i,$(LEVELS),$(word $(i),$(1)))
-$(eval $(call sweep,objects,$(OBJECTS),$(SWEPT_OBJECTS),$(MESHES)/meshes_objects/%.ply,--path orbit,$\
-    $(call pick,0.1 0.3 0.6 0.8 1.0),$(call pick,3 7 11 15 21),$(call pick,0.5 1 2 3 4),$(OBJECT_NOISE)))
-$(eval $(call sweep,urban,$(URBAN),$(SWEPT_URBAN),$(MESHES)/meshes_urban/%.ply,--path strip,$\
-    $(call pick,1 3 6 8 10),$(call pick,3 7 11 15 21),$(call pick,1 2 4 6 8),$(URBAN_NOISE)))
+$(eval $(call experiment,objects,$(OBJECTS),$(OBJECTS_DEVELOPMENT),$(OBJECTS_SCENES),$(METHODS),RMSE,,$(OBJECTS)/scale-space.npz $(OBJECTS_SWEEPS)))
+$(eval $(call experiment,urban,$(URBAN),$(URBAN_DEVELOPMENT),$(URBAN_SCENES),$(METHODS),RMSE,,$(URBAN_SWEEPS)))
+$(eval $(call experiment,kitti,$(KITTI),$(KITTI_DEVELOPMENT),$(KITTI_SCENES),$(KITTI_METHODS),D-avg px,--config configs/fuse-depth/kitti.toml,))
+$(eval $(call experiment,livingroom,$(LIVINGROOM),$(LIVINGROOM_DEVELOPMENT),$(LIVINGROOM_SCENES),$(METHODS),RMSE,,))
+
+%/scale-space.npz: experiments/scale_space.py $(INSTALLED)
+	$(BIN)/python $< $@

@@ -14,7 +14,7 @@ from ipcli.geometry.cameras import rays
 from ipcli.geometry.raycast import Caster, Mesh
 from ipcli.io import atomic, images
 
-ROOM_SHAPE, ROOM_CAMERA = (240, 320), np.array([[262.5, 0, 159.75], [0, 262.5, 119.75], [0, 0, 1]])
+ROOM_SHAPE, ROOM_CAMERA = (120, 160), np.array([[131.25, 0, 79.875], [0, 131.25, 59.875], [0, 0, 1]])
 STREET_SHAPE, STREET_CAMERA = (188, 620), np.array([[360.0, 0, 309.5], [0, 360.0, 86.0], [0, 0, 1]])
 FRAMES, STEP, BASELINE = 12, 0.8, 0.54  # the street: frames from 0, metres a frame, metres between the cameras
 SCENES = ("000000", "000001", "000002")

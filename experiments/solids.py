@@ -1,4 +1,4 @@
-"""Meshes for a quick look at the rendered experiments, where no data set is at hand: `python solids.py FOLDER/torus.ply`."""
+"""Meshes for a quick look at the rendered experiments, where no data set is at hand: `python solids.py FOLDER/NAME.ply`."""
 
 import sys
 from pathlib import Path
@@ -7,15 +7,30 @@ import numpy as np
 import trimesh
 
 
+BALLS = ((0.5, (-0.4, -0.3, 0.2)), (0.35, (0.5, 0.1, 0.4)), (0.45, (0.1, 0.4, -0.5)))
+RODS = (((-0.9, 0.6, 0.3), (0.8, -0.8, 0.1)), ((-0.7, -0.9, -0.4), (0.3, 0.9, 0.2)))
+
+
 def torus() -> trimesh.Trimesh:
     """A ring about a ball, facing the camera."""
     return trimesh.util.concatenate([trimesh.creation.torus(1.0, 0.3), trimesh.creation.icosphere(subdivisions=4, radius=0.55)])
 
 
-def town() -> trimesh.Trimesh:
+def knot() -> trimesh.Trimesh:
+    """Three balls and two rods, one behind the other."""
+    balls = [trimesh.creation.icosphere(subdivisions=4, radius=r).apply_translation(at) for r, at in BALLS]
+    return trimesh.util.concatenate([*balls, *(trimesh.creation.cylinder(0.15, segment=ends, sections=64) for ends in RODS)])
+
+
+def village() -> trimesh.Trimesh:
+    """As the town, other heights."""
+    return town(seed=1)
+
+
+def town(seed: int = 0) -> trimesh.Trimesh:
     """Blocks of several heights and a tent roof on flat ground, in metres."""
     parts = [trimesh.creation.box(bounds=[(-300, -240, -1), (300, 240, 0)])]
-    rng = np.random.default_rng(0)
+    rng = np.random.default_rng(seed)
     for x in range(-120, 121, 60):
         for y in range(-90, 91, 60):
             parts.append(trimesh.creation.box(bounds=[(x - 18, y - 15, 0), (x + 18, y + 15, rng.uniform(8, 40))]))
@@ -56,4 +71,4 @@ def street(seed: int) -> trimesh.Trimesh:
 if __name__ == "__main__":
     path = Path(sys.argv[1])
     path.parent.mkdir(parents=True, exist_ok=True)
-    {"torus": torus, "town": town}[path.stem]().export(path)
+    {"torus": torus, "knot": knot, "town": town, "village": village}[path.stem]().export(path)
