@@ -148,20 +148,18 @@ def bars_section(e: Experiment) -> Markup | str:
 
 def thesis_sections(e: Experiment) -> list[Markup]:
     """The printed tables, each figure followed by ours."""
-    return [
-        section(f"Beside the thesis: {printed.title.partition(':')[0]}", beside(e, printed), lead=f"{printed.title}. {e.conventions}")
-        for printed in e.printed
-    ]
+    parts = [part for printed in e.printed for part in (element("h3", printed.title), beside(e, printed))]
+    return [section("Beside the thesis", *parts, lead=e.conventions)] if parts else []
 
 
 def beside(e: Experiment, printed: Printed) -> Markup:
-    """Rows of the thesis; for each measure its figure and ours at the automatic lambda."""
+    """Rows of the thesis with the name of ours; for each measure its figure and ours at the automatic lambda."""
     heads = [element("span", column, element("br"), side) for column in printed.columns for side in ("thesis", "ours")]
     rows = []
     for name, ours, values in printed.rows:
         cells = [cell for column, value in zip(printed.columns, values, strict=True) for cell in (f"{value:g}", number(e.mean(ours, column)))]
-        rows.append((element("span", name, element("span", ours, class_="aside")), *cells))
-    return table(("", *heads), rows)
+        rows.append((name, ours, *cells))
+    return element("div", table(("", "ours", *heads), rows), class_="dense")
 
 
 def methods_section(e: Experiment) -> Markup:

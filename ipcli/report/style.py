@@ -46,6 +46,8 @@ th,td{padding:6px 0 6px 28px;text-align:right;border-bottom:1px solid var(--line
 th:first-child{padding-left:0;text-align:left}
 thead th{color:var(--soft);font-size:13px;vertical-align:bottom;border-bottom:1px solid var(--soft)}
 td strong{font-weight:700}
+.dense th,.dense td{padding-left:15px}
+h3{margin:22px 0 0;font-size:15px;font-weight:650}
 .aside{margin-left:10px;font-size:12.5px;font-weight:600}
 .warn th,.warn td{background:var(--alarm-card)}
 .text td{text-align:left;white-space:normal;overflow-wrap:anywhere}
