@@ -312,73 +312,116 @@ def _rescan(pair, x, members, side, target, base, v, rng):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _log_split(x, z, i, j, members, base, log_alpha, scans, rng):
-    """(sides of the members, log ratio of the proposal to split minus that to merge back) for seeds i and j.
+def _propose(x, i, j, members, target, base, scans, rng):
+    """(sides, log probability) of a split of the members between the seeds i and j, drawn, or towards `target` if that holds any.
 
-    If i and j are apart already, the sides are theirs and the ratio is that of the split that would lead there.
+    The launch state is dealt out one by one (as Dahl 2005), in random order, before its restricted scans: it depends on the seeds
+    and the members alone, so that the probability of the proposal is that of the last scan.
     """
-    d = x.shape[1]
-    pair, v = _allocate(d, 4), np.empty(d)
-    for slot in range(1, 4):
+    pair, v = _allocate(x.shape[1], 3), np.empty(x.shape[1])
+    for slot in range(1, 3):
         _open(pair, slot, base)
     _add(pair, 1, x[i], base, v)
     _add(pair, 2, x[j], base, v)
-    _add(pair, 3, x[i], base, v)
-    _add(pair, 3, x[j], base, v)
-    side, target = np.zeros(members.shape[0], np.int64), np.zeros(members.shape[0], np.int64)
+    side, nowhere = np.zeros(members.shape[0], np.int64), np.zeros(members.shape[0], np.int64)
+    log_q = 0.0
     for _ in range(1 + scans):
-        if math.isnan(_rescan(pair, x, members, side, target, base, v, rng)):
-            return side, np.nan
-    for m in range(members.shape[0]):
-        if z[i] != z[j]:
-            target[m] = 1 if z[members[m]] == z[i] else 2
-        _add(pair, 3, x[members[m]], base, v)
+        log_q += _rescan(pair, x, members, side, nowhere, base, v, rng)
+    if math.isnan(log_q):
+        return side, np.nan
     log_q = _rescan(pair, x, members, side, target, base, v, rng)
-    a, b = pair.count[1], pair.count[2]
-    log_prior = log_alpha + math.lgamma(a) + math.lgamma(b) - math.lgamma(a + b)
-    # The factor |psi|^(beta / 2) of the base, one a cluster, is in none of the marginals: once more in the split.
-    log_base = 0.0
-    for p in range(d):
-        log_base += base.beta * math.log(base.chol[p, p])
-    log_fit = _log_marginal(pair, 1, base) + _log_marginal(pair, 2, base) - _log_marginal(pair, 3, base) + log_base
-    return side, log_prior + log_fit - log_q
+    return side, log_q
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _log_gain(x, i, j, members, side, base, log_alpha):
+    """log posterior with seeds and members apart on their sides, less that with all in one cluster."""
+    three, v = _allocate(x.shape[1], 4), np.empty(x.shape[1])
+    for slot in range(1, 4):
+        _open(three, slot, base)
+    for seed, slot in ((i, 1), (j, 2)):
+        _add(three, slot, x[seed], base, v)
+        _add(three, 3, x[seed], base, v)
+    for m in range(members.shape[0]):
+        _add(three, side[m], x[members[m]], base, v)
+        _add(three, 3, x[members[m]], base, v)
+    a, b = three.count[1], three.count[2]
+    gain = log_alpha + math.lgamma(a) + math.lgamma(b) - math.lgamma(a + b)
+    for p in range(x.shape[1]):  # |psi|^(beta / 2), one a cluster, is in none of the marginals
+        gain += base.beta * math.log(base.chol[p, p])
+    return gain + _log_marginal(three, 1, base) + _log_marginal(three, 2, base) - _log_marginal(three, 3, base)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _split(z, j, members, side, k):
+    """Give seed j and the members on its side the label k."""
+    z[j] = k
+    for m in range(members.shape[0]):
+        if side[m] == 2:
+            z[members[m]] = k
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _merge(z, into, freed, k):
+    """Give all of label `freed` the label `into`; the last of the k labels takes the place of `freed`."""
+    for p in range(z.shape[0]):
+        if z[p] == freed:
+            z[p] = into
+    for p in range(z.shape[0]):
+        if z[p] == k - 1:
+            z[p] = freed
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def split_merge(x, z, k, xi, rho, beta, chol, alpha, moves, scans, rng):
-    """Split-merge moves (Jain and Neal 2004) in place; (the new k, splits accepted, merges accepted).
-
-    The launch state is dealt out one by one (as Dahl 2005), in random order, before its `scans` restricted scans: it depends on
-    the seeds and the members alone, so that the ratio of the proposals is that of the last scan.
-    """
-    n = x.shape[0]
-    splits, merges = 0, 0
+    """Split-merge moves (Jain and Neal 2004) in place; (the new k, splits accepted, merges accepted)."""
+    n, splits, merges = x.shape[0], 0, 0
     base = _base(xi, rho, beta, chol, alpha, n)
     for _ in range(moves if n > 1 else 0):
         i = int(rng.random() * n)
         j = int(rng.random() * (n - 1))
         j += j >= i
         members = _members(z, i, j, rng)
-        side, log_ratio = _log_split(x, z, i, j, members, base, math.log(alpha), scans, rng)
-        is_split = z[i] == z[j]
-        if not math.log(1 - rng.random()) < (log_ratio if is_split else -log_ratio):
-            continue
-        if is_split:
-            z[j] = k
+        level = math.log(1 - rng.random())
+        target, gain = np.zeros(members.shape[0], np.int64), 0.0
+        if z[i] != z[j]:
             for m in range(members.shape[0]):
-                if side[m] == 2:
-                    z[members[m]] = k
-            k += 1
-            splits += 1
-        else:
-            into, freed = z[i], z[j]
-            for p in range(n):
-                if z[p] == freed:
-                    z[p] = into
-            k -= 1
-            if freed != k:
-                for p in range(n):
-                    if z[p] == k:
-                        z[p] = freed
-            merges += 1
+                target[m] = 1 if z[members[m]] == z[i] else 2
+            gain = _log_gain(x, i, j, members, target, base, math.log(alpha))
+            if not level < -gain:  # no proposal is more probable than 1: this merge is rejected whatever its split's is
+                continue
+        side, log_q = _propose(x, i, j, members, target, base, scans, rng)
+        if z[i] != z[j]:
+            if level < log_q - gain:
+                _merge(z, z[i], z[j], k)
+                k, merges = k - 1, merges + 1
+        elif level < _log_gain(x, i, j, members, side, base, math.log(alpha)) - log_q:
+            _split(z, j, members, side, k)
+            k, splits = k + 1, splits + 1
     return k, splits, merges
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def statistics(x, z, k):
+    """Count (k,), mean (k, d) and scatter (k, d, d) of the points x (n, d) of each label; all 0 for a label without points."""
+    n, d = x.shape
+    count, mean, scatter = np.zeros(k), np.zeros((k, d)), np.zeros((k, d, d))
+    for p in range(n):
+        count[z[p]] += 1
+        for i in range(d):
+            mean[z[p], i] += x[p, i]
+    for c in range(k):
+        for i in range(d):
+            mean[c, i] /= max(count[c], 1.0)
+    off = np.empty(d)
+    for p in range(n):
+        c = z[p]
+        for i in range(d):
+            off[i] = x[p, i] - mean[c, i]
+            for j in range(i + 1):
+                scatter[c, i, j] += off[i] * off[j]
+    for c in range(k):
+        for i in range(d):
+            for j in range(i):
+                scatter[c, j, i] = scatter[c, i, j]
+    return count, mean, scatter

@@ -26,16 +26,9 @@ class Points:
     @classmethod
     def of(cls, x: np.ndarray, labels: np.ndarray, k: int) -> Points:
         """Those of the points x (n, d) with each of the labels 0 ... k - 1; an empty set has mean 0."""
-        d = x.shape[1]
-        count, mean, scatter = np.bincount(labels, minlength=k).astype(float), np.zeros((k, d)), np.zeros((k, d, d))
-        order = np.argsort(labels, kind="stable")
-        ends = np.cumsum(count).astype(int)
-        for j, (start, end) in enumerate(zip(ends - count.astype(int), ends, strict=True)):
-            if end > start:
-                mine = x[order[start:end]]
-                mean[j] = mine.mean(axis=0)
-                scatter[j] = (mine - mean[j]).T @ (mine - mean[j])
-        return cls(count, mean, scatter)
+        from ipcli.kernels import dirichlet
+
+        return cls(*dirichlet.statistics(np.ascontiguousarray(x, np.float64), np.asarray(labels, np.int32), k))
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +66,7 @@ class NormalWishart:
     def _log_normaliser(self) -> np.ndarray:
         """log of what a density x^... must be divided by, up to powers of pi and 2 that cancel between prior and posterior."""
         d = self.dimension
-        gammas = np.array([wishart.log_gamma(0.5 * b, d) for b in self.beta])
-        return gammas - 0.5 * self.beta * np.linalg.slogdet(self.psi)[1] - 0.5 * d * np.log(self.rho)
+        return wishart.log_gamma(0.5 * self.beta, d) - 0.5 * self.beta * np.linalg.slogdet(self.psi)[1] - 0.5 * d * np.log(self.rho)
 
     def predictive(self) -> Students:
         """The t density of the next point of each."""

@@ -41,6 +41,11 @@ def log_density(s: np.ndarray, dof: float, inverse_scale: np.ndarray) -> float:
     return float(0.5 * (dof - d - 1) * log_s - 0.5 * np.sum(inverse_scale * s) - normaliser)
 
 
-def log_gamma(a: float, d: int) -> float:
-    """log of the multivariate gamma function Gamma_d(a)."""
-    return 0.25 * d * (d - 1) * math.log(math.pi) + sum(math.lgamma(a - 0.5 * i) for i in range(d))
+def log_gamma(a: np.ndarray | float, d: int) -> np.ndarray | float:
+    """log of the multivariate gamma function Gamma_d(a), at one number or at many."""
+    constant = 0.25 * d * (d - 1) * math.log(math.pi)
+    if isinstance(a, float):  # a slice sampler asks for one after the other
+        return constant + sum(math.lgamma(a - 0.5 * i) for i in range(d))
+    from scipy.special import gammaln
+
+    return constant + gammaln(np.subtract.outer(a, 0.5 * np.arange(d))).sum(axis=-1)
