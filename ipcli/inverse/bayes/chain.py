@@ -45,8 +45,7 @@ class Chain:
         """So many sweeps, or as many as are left."""
         for _ in range(min(sweeps, self.settings.sweeps - len(self.trace))):
             splits, merges = self.move()
-            points = Points.of(self.x, self.labels, self.clusters)
-            self.hyper = self.prior.update(self.hyper, points, self.rng)
+            points = self.learn()
             h = self.hyper
             self.trace.append((self.clusters, self.log_joint(points), h.alpha, h.rho, h.beta, splits, merges))
             after = len(self.trace) - 1 - self.settings.burn_in
@@ -58,13 +57,23 @@ class Chain:
         """Move the labels at fixed hyperparameters: a Gibbs sweep, then split-merge moves; (splits, merges) accepted."""
         from ipcli.kernels import dirichlet
 
-        h = self.hyper
-        base = h.xi, h.rho, h.beta, np.linalg.cholesky(h.beta * h.w), h.alpha
+        base = self.base()
         k = dirichlet.sweep(self.x, self.labels, self.clusters, *base, self.rng)
         _, splits, merges = dirichlet.split_merge(
             self.x, self.labels, k, *base, self.settings.moves, self.settings.scans, self.rng
         )
         return splits, merges
+
+    def learn(self) -> Points:
+        """Move the hyperparameters at fixed labels; the statistics of the clusters."""
+        points = Points.of(self.x, self.labels, self.clusters)
+        self.hyper = self.prior.update(self.hyper, points, self.rng)
+        return points
+
+    def base(self) -> tuple[np.ndarray, float, float, np.ndarray, float]:
+        """The base measure and the concentration as the kernels take them: xi, rho, beta, Cholesky factor of beta W, alpha."""
+        h = self.hyper
+        return h.xi, h.rho, h.beta, np.linalg.cholesky(h.beta * h.w), h.alpha
 
     def log_joint(self, points: Points) -> float:
         """log p(x, labels, learned hyperparameters)."""
