@@ -26,9 +26,9 @@ class Points:
     @classmethod
     def of(cls, x: np.ndarray, labels: np.ndarray, k: int) -> Points:
         """Those of the points x (n, d) with each of the labels 0 ... k - 1; an empty set has mean 0."""
-        from ipcli.kernels import dirichlet
+        from ipcli.kernels import points
 
-        return cls(*dirichlet.statistics(np.ascontiguousarray(x, np.float64), np.asarray(labels, np.int32), k))
+        return cls(*points.statistics(np.ascontiguousarray(x, np.float64), np.asarray(labels, np.int32), k))
 
 
 @dataclass(frozen=True, eq=False)
