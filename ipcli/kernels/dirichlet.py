@@ -12,19 +12,13 @@ from numba import njit
 import numpy as np
 
 LANES = 4  # slots are asked about a point in whole vectors of so many
-WEAK = 1e-10  # share of a squared pivot that must remain, or else a cluster is built anew from its members
+WEAK = 1e-10  # share of a pivot that must remain when a point is taken out, or else its cluster is built anew
 PRIOR = 0
 
-# mean (d, slots); chol (d, d, slots), lower, of Psi_n; inverse (d, slots), of its diagonal; work (d, slots) and the rest (slots,)
-Clusters = namedtuple("Clusters", "count mean chol inverse logdet constant exponent ratio work score")
-# xi (d,), chol (d, d) of psi, log1p table of the counts: predictive (n + 2,) and marginal (n + 1,)
+# mean (d, slots); psi = L D L' by L (d, d, slots), unit lower, and inverse (d, slots), 1 / D; work (d, slots); the others (slots,)
+Clusters = namedtuple("Clusters", "count mean lower inverse logdet constant exponent ratio work score")
+# xi (d,), chol (d, d) of psi; by the number of points in a cluster, predictive (n + 2,) and marginal (n + 2,)
 Base = namedtuple("Base", "xi rho beta chol predictive marginal")
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def _lgamma_ratio(b, d):
-    """log Gamma_d((b + 1) / 2) / Gamma_d(b / 2), which telescopes to two terms."""
-    return math.lgamma(0.5 * (b + 1)) - math.lgamma(0.5 * (b + 1 - d))
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -32,13 +26,13 @@ def _base(xi, rho, beta, chol, alpha, n):
     """The base measure with its tables, by the number m of points in a cluster.
 
     predictive[m]: log of the weight (m, or alpha if empty) times the constant of the t density; marginal[m]: log density of
-    m points together without the powers of |Psi|.
+    m points together without the powers of |psi|.
     """
     d = xi.shape[0]
     predictive, marginal = np.empty(n + 2), np.zeros(n + 2)
     for m in range(n + 2):
         r, b = rho + m, beta + m
-        constant = _lgamma_ratio(b, d) - 0.5 * d * math.log(math.pi * (r + 1) / r)
+        constant = math.lgamma(0.5 * (b + 1)) - math.lgamma(0.5 * (b + 1 - d)) - 0.5 * d * math.log(math.pi * (r + 1) / r)
         predictive[m] = math.log(m if m > 0 else alpha) + constant
         if m < n + 1:
             marginal[m + 1] = marginal[m] + constant
@@ -55,24 +49,13 @@ def _allocate(d, slots):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _copy_slot(to, k, source, j):
-    to.count[k] = source.count[j]
-    to.mean[:, k] = source.mean[:, j]
-    to.chol[:, :, k] = source.chol[:, :, j]
-    to.inverse[:, k] = source.inverse[:, j]
-    to.logdet[k] = source.logdet[j]
-    to.constant[k] = source.constant[j]
-    to.exponent[k] = source.exponent[j]
-    to.ratio[k] = source.ratio[j]
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
 def _grown(clusters):
     """The same clusters with room for twice as many."""
     old = clusters.count.shape[0]
     more = _allocate(clusters.mean.shape[0], 2 * old)
-    for k in range(old):
-        _copy_slot(more, k, clusters, k)
+    more.count[:old], more.mean[:, :old], more.lower[:, :, :old] = clusters.count, clusters.mean, clusters.lower
+    more.inverse[:, :old], more.logdet[:old], more.constant[:old] = clusters.inverse, clusters.logdet, clusters.constant
+    more.exponent[:old], more.ratio[:old] = clusters.exponent, clusters.ratio
     return more
 
 
@@ -88,44 +71,36 @@ def _weigh(clusters, k, base):
 @njit(cache=True, error_model="numpy", nogil=True)
 def _open(clusters, k, base):
     """Make slot k the empty cluster."""
-    d = base.xi.shape[0]
     clusters.count[k] = 0
     clusters.logdet[k] = 0.0
-    for i in range(d):
-        clusters.mean[i, k] = base.xi[i]
-        clusters.inverse[i, k] = 1 / base.chol[i, i]
-        clusters.logdet[k] += 2 * math.log(base.chol[i, i])
-        for j in range(i + 1):
-            clusters.chol[i, j, k] = base.chol[i, j]
+    for j in range(base.xi.shape[0]):
+        pivot = base.chol[j, j]
+        clusters.mean[j, k] = base.xi[j]
+        clusters.inverse[j, k] = 1 / (pivot * pivot)
+        clusters.logdet[k] += 2 * math.log(pivot)
+        for i in range(j, base.xi.shape[0]):
+            clusters.lower[i, j, k] = base.chol[i, j] / pivot
     _weigh(clusters, k, base)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _close(clusters, k):
-    """Give slot k up: no point will choose it."""
-    clusters.count[k] = 0
-    clusters.constant[k] = -np.inf
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def _rotate(clusters, k, v, sign):
-    """Cholesky factor of L L' + sign v v' in slot k, and its log determinant; v is spent. False if that is not safe."""
-    d = v.shape[0]
-    chol, growth = clusters.chol, 1.0
+def _update(clusters, k, v, a):
+    """L D L' + a v v' in slot k (method C1 of Gill, Golub, Murray and Saunders 1974); v is spent. False if that is not safe."""
+    d, growth = v.shape[0], 1.0
+    lower, inverse = clusters.lower, clusters.inverse
     for j in range(d):
-        s = v[j] * clusters.inverse[j, k]
-        c = 1 + sign * s * s
+        p = v[j]
+        c = 1 + a * p * p * inverse[j, k]
         if c < WEAK:
             return False
         growth *= c
-        c = math.sqrt(c)
-        chol[j, j, k] *= c
-        clusters.inverse[j, k] = 1 / chol[j, j, k]
-        back = 1 / c
+        c = 1 / c
+        inverse[j, k] *= c
+        b = a * p * inverse[j, k]
+        a *= c
         for i in range(j + 1, d):
-            moved = (chol[i, j, k] + sign * s * v[i]) * back
-            v[i] = c * v[i] - s * moved
-            chol[i, j, k] = moved
+            v[i] -= p * lower[i, j, k]
+            lower[i, j, k] += b * v[i]
     clusters.logdet[k] += math.log(growth)
     return True
 
@@ -134,13 +109,11 @@ def _rotate(clusters, k, v, sign):
 def _add(clusters, k, x, base, v):
     """Put the point x (d,) into slot k; v (d,) is scratch."""
     r = base.rho + clusters.count[k]
-    root, step = math.sqrt(r / (r + 1)), 1 / (r + 1)
     for i in range(x.shape[0]):
-        off = x[i] - clusters.mean[i, k]
-        v[i] = root * off
-        clusters.mean[i, k] += step * off
+        v[i] = x[i] - clusters.mean[i, k]
+        clusters.mean[i, k] += v[i] / (r + 1)
     clusters.count[k] += 1
-    _rotate(clusters, k, v, 1.0)
+    _update(clusters, k, v, r / (r + 1))
     _weigh(clusters, k, base)
 
 
@@ -149,11 +122,10 @@ def _take(clusters, k, x, base, v):
     """Take the point x out of slot k. False if rounding forbids it; the slot is then to be built anew."""
     clusters.count[k] -= 1
     r = base.rho + clusters.count[k]
-    root, step = math.sqrt(r / (r + 1)), 1 / r
     for i in range(x.shape[0]):
-        clusters.mean[i, k] -= step * (x[i] - clusters.mean[i, k])
-        v[i] = root * (x[i] - clusters.mean[i, k])
-    if not _rotate(clusters, k, v, -1.0):
+        v[i] = x[i] - clusters.mean[i, k]
+        clusters.mean[i, k] -= v[i] / r
+    if not _update(clusters, k, v, -(r + 1) / r):
         return False
     _weigh(clusters, k, base)
     return True
@@ -169,26 +141,43 @@ def _rebuild(clusters, k, x, z, label, base, v):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _ask(clusters, slots, x):
-    """Set score[k], log weight times predictive density of x (d,), for all slots up to a multiple of LANES; give the greatest."""
-    d, slots = x.shape[0], (slots + LANES - 1) // LANES * LANES
+def _squares(clusters, slots, x):
+    """score[k] = (x - mean)' psi^-1 (x - mean) for the first slots, a multiple of LANES."""
     score = clusters.score
     for k in range(slots):
         score[k] = 0.0
-    for j in range(d):
+    for j in range(x.shape[0]):
         u, mean, inverse = clusters.work[j], clusters.mean[j], clusters.inverse[j]
         for k in range(slots):
             u[k] = x[j] - mean[k]
         for i in range(j):
-            row, known = clusters.chol[j, i], clusters.work[i]
+            row, known = clusters.lower[j, i], clusters.work[i]
             for k in range(slots):
                 u[k] -= row[k] * known[k]
         for k in range(slots):
-            u[k] *= inverse[k]
-            score[k] += u[k] * u[k]
+            score[k] += u[k] * u[k] * inverse[k]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _ask(clusters, slots, x, own, base):
+    """Set score[k], log weight times predictive density of x (d,) given the others in the slot, and give the greatest.
+
+    `own` is the slot that holds x itself, 0 if none does. It need not be taken out: with m others, r = rho + m and q the square
+    against all of the slot, |psi of the others| = |psi| (1 - q (r + 1) / r), and the t density follows from the two.
+    """
+    slots, score = (slots + LANES - 1) // LANES * LANES, clusters.score
+    _squares(clusters, slots, x)
+    square = score[own]
+    for k in range(slots):
+        score[k] = clusters.constant[k] - clusters.exponent[k] * math.log(1 + clusters.ratio[k] * score[k])
+    if own:
+        m = clusters.count[own] - 1
+        score[own] = -np.inf
+        if m:
+            shrink = math.log(max(1 - square * (base.rho + m + 1) / (base.rho + m), WEAK))
+            score[own] = base.predictive[m] - 0.5 * (clusters.logdet[own] - (base.beta + m) * shrink)
     greatest = -np.inf
     for k in range(slots):
-        score[k] = clusters.constant[k] - clusters.exponent[k] * math.log1p(clusters.ratio[k] * score[k])
         greatest = max(greatest, score[k])
     return greatest
 
@@ -231,35 +220,46 @@ def _gather(x, z, base, k):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
+def _leave(clusters, slot, x, z, i, base, v):
+    """Take point i out of its slot, which is given up if that was its last."""
+    label, z[i] = z[i], -1
+    if clusters.count[slot] == 1:
+        clusters.count[slot] = 0
+        clusters.constant[slot] = -np.inf  # no point will choose it
+    elif not _take(clusters, slot, x[i], base, v):
+        _rebuild(clusters, slot, x, z, label, base, v)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
 def sweep(x, z, k, xi, rho, beta, chol, alpha, rng):
-    """One scan of Neal's Algorithm 3 over the points x (n, d): labels z (n,) of k clusters, in place; the new k."""
+    """One scan of Neal's Algorithm 3 over the points x (n, d): labels z (n,) of k clusters, in place; (the new k, points moved)."""
     n, d = x.shape
     base = _base(xi, rho, beta, chol, alpha, n)
-    clusters, slots, v = _gather(x, z, base, k), k + 1, np.empty(d)
+    clusters, slots, v, moved = _gather(x, z, base, k), k + 1, np.empty(d), 0
     free, gone = np.empty(n + 1, np.int64), 0  # slots given up, to be used again
     for i in range(n):
-        slot = z[i] + 1
-        z[i] = -1
-        if clusters.count[slot] == 1:
-            _close(clusters, slot)
-            free[gone] = slot
+        own = z[i] + 1
+        slot = _choose(clusters, slots, _ask(clusters, slots, x[i], own, base), rng)
+        if slot == own or (slot == PRIOR and clusters.count[own] == 1):
+            continue
+        moved += 1
+        _leave(clusters, own, x, z, i, base, v)
+        if clusters.count[own] == 0:
+            free[gone] = own
             gone += 1
-        elif not _take(clusters, slot, x[i], base, v):
-            _rebuild(clusters, slot, x, z, slot - 1, base, v)
-        slot = _choose(clusters, slots, _ask(clusters, slots, x[i]), rng)
-        if slot == PRIOR:
-            if gone:
-                gone -= 1
-                slot = free[gone]
-            else:
-                slot = slots
-                slots += 1
-                if slots > clusters.count.shape[0]:
-                    clusters = _grown(clusters)
+        if slot == PRIOR and gone:
+            gone -= 1
+            slot = free[gone]
+            _open(clusters, slot, base)
+        elif slot == PRIOR:
+            slot = slots
+            slots += 1
+            if slots > clusters.count.shape[0]:
+                clusters = _grown(clusters)
             _open(clusters, slot, base)
         _add(clusters, slot, x[i], base, v)
         z[i] = slot - 1
-    return _compact(z, clusters, slots)
+    return _compact(z, clusters, slots), moved
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -270,9 +270,9 @@ def _log_marginal(clusters, slot, base):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _which(clusters, x, forced, rng):
+def _which(clusters, x, own, forced, base, rng):
     """(side, log probability of that side) of a point between slots 1 and 2: drawn, or `forced` if that is not 0."""
-    _ask(clusters, 3, x)
+    _ask(clusters, 3, x, own, base)
     a, b = clusters.score[1], clusters.score[2]
     log_total = max(a, b) + math.log1p(math.exp(-abs(a - b)))
     side = forced
@@ -302,12 +302,13 @@ def _rescan(pair, x, members, side, target, base, v, rng):
     """
     log_probability = 0.0
     for m in range(members.shape[0]):
-        point = x[members[m]]
-        if side[m] and not _take(pair, side[m], point, base, v):
-            return np.nan
-        side[m], log_p = _which(pair, point, target[m], rng)
+        point, own = x[members[m]], side[m]
+        side[m], log_p = _which(pair, point, own, target[m], base, rng)
         log_probability += log_p
-        _add(pair, side[m], point, base, v)
+        if side[m] != own:
+            if own and not _take(pair, own, point, base, v):
+                return np.nan
+            _add(pair, side[m], point, base, v)
     return log_probability
 
 
@@ -327,10 +328,7 @@ def _propose(x, i, j, members, target, base, scans, rng):
     log_q = 0.0
     for _ in range(1 + scans):
         log_q += _rescan(pair, x, members, side, nowhere, base, v, rng)
-    if math.isnan(log_q):
-        return side, np.nan
-    log_q = _rescan(pair, x, members, side, target, base, v, rng)
-    return side, log_q
+    return side, np.nan if math.isnan(log_q) else _rescan(pair, x, members, side, target, base, v, rng)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

@@ -58,7 +58,7 @@ class Chain:
         from ipcli.kernels import dirichlet
 
         base = self.base()
-        k = dirichlet.sweep(self.x, self.labels, self.clusters, *base, self.rng)
+        k, _ = dirichlet.sweep(self.x, self.labels, self.clusters, *base, self.rng)
         _, splits, merges = dirichlet.split_merge(
             self.x, self.labels, k, *base, self.settings.moves, self.settings.scans, self.rng
         )

@@ -83,15 +83,15 @@ class Predictive:
         return Predictive(self.log_weight, self.dof, shift + self.location @ chol.T, chol @ self.chol, self.draw)
 
     def log_density(self, x: np.ndarray) -> np.ndarray:
-        """log predictive density (n,) at the points x (n, d); -inf nowhere, NaN where x is."""
+        """log predictive density (n,) at the points x (n, d); NaN where x is not finite."""
         from ipcli.kernels import student
 
-        x = np.ascontiguousarray(x, np.float64)
         half_dof = 0.5 * (self.dof + self.location.shape[1])
         constant = self.log_weight + self.students.log_normaliser()
-        # inverse factors, divided by sqrt(dof): a product in place of a solution, and log(1 + |.|^2) at once
-        inverse = np.linalg.inv(self.chol) / np.sqrt(self.dof)[:, None, None] if x.shape[1] else self.chol
-        return student.log_mixture(x, constant, half_dof, self.location, np.ascontiguousarray(inverse))
+        # Inverse factors over sqrt(dof): products in place of solutions, and log(1 + |.|^2) at once.
+        inverse = np.linalg.inv(self.chol) / np.sqrt(self.dof)[:, None, None]
+        shift = np.einsum("mij,mj->mi", inverse, self.location)
+        return student.log_mixture(np.ascontiguousarray(x, np.float64), constant, half_dof, shift, np.ascontiguousarray(inverse))
 
     def responsibilities(self, x: np.ndarray) -> np.ndarray:
         """Posterior probability (n, m) of the components at the points x (n, d)."""
