@@ -3,5 +3,5 @@
     fitted = mixture.fit(x, parameters.Mixture(), rng)     # x (n, d), any d
     fitted.predictive.log_density(frames)                  # averaged over the kept sweeps of all chains
     fitted.labels(), fitted.behaviours()                   # one partition of the points, and its components
-    fitted.cluster_counts(), fitted.diagnostics()          # posterior of the number of clusters; ESS and R-hat
+    fitted.cluster_counts()                                # posterior of the number of clusters
 """
