@@ -37,7 +37,8 @@ class FormatError(IpcliError):
     def __init__(self, path: Path | str, what: str, *, expected=None, got=None, fix: str | None = None):
         facts = [f"{label} {value}" for label, value in (("expected", expected), ("got", got)) if value is not None]
         detail = f" ({', '.join(facts)})" if facts else ""
-        super().__init__(f"{path}: {what}{detail}" + (f". {fix}" if fix else ""))
+        text = f"{path}: {what}{detail}"
+        super().__init__(f"{text}{'' if text.endswith('?') else '.'} {fix}" if fix else text)
 
 
 class VersionTooNew(FormatError):

@@ -17,14 +17,21 @@ import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
 from ipcli.geometry.skeleton import TEST, TRAIN, Clip, Clips, Motion, Skeleton
-from ipcli.io import acclaim
+from ipcli.io import acclaim, bvh, c3d, tables
 from ipcli.io.archive import Unpacked, is_archive, listing, unpacked
 from ipcli.io.layout import read_text
 
 HDM05 = re.compile(r"HDM_(?P<actor>[a-zA-Z]+)_(?P<label>.+)_\d+_\d+")
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "foot": 0.3048}
 SMALLEST, LARGEST = 0.1, 10.0  # metres a body may span
-READERS: dict[str, Callable[..., Motion]] = {".amc": acclaim.read}
+READERS: dict[str, Callable[..., Motion]] = {
+    ".amc": acclaim.read,
+    ".bvh": bvh.read,
+    ".c3d": c3d.read,
+    ".npz": tables.read_npz,
+    ".csv": tables.read_csv,
+}
+TABLES_ABOUT_TABLES = ("manifest.csv", tables.SKELETON)
 
 
 @dataclass(frozen=True)
@@ -50,8 +57,12 @@ class Reading:
 
 
 def is_recordings(path: Path) -> bool:
-    """Whether it is a motion file, or a folder or archive with one in it."""
-    return Path(path.name).suffix.lower() in READERS or any(Path(name).suffix.lower() in READERS for name in listing(path))
+    """Whether it is a motion file, or a folder or archive with one in it (or with a skeleton, to say what is missing)."""
+    return any(_is_motion(file) or file.suffix.lower() == ".asf" for file in (path, *map(Path, listing(path))))
+
+
+def _is_motion(file: Path) -> bool:
+    return file.suffix.lower() in READERS and file.name[0] != "." and file.name not in TABLES_ABOUT_TABLES
 
 
 def open_recordings(
@@ -152,12 +163,13 @@ def _listed(folder: Path, path: Path, manifest: Path | None) -> list[Recording]:
     if manifest is not None:
         found = _of_manifest(manifest, folder if folder.is_dir() else folder.parent)
     elif folder.is_file():
-        found = [_guessed(folder, folder.parent)]
+        found = [_guessed(folder, folder.parent)] if _is_motion(folder) else []
     else:
         files = (folder / name for name in listing(folder))
-        found = [_guessed(file, folder) for file in files if file.suffix.lower() in READERS and file.name[0] != "."]
+        found = [_guessed(file, folder) for file in files if _is_motion(file)]
     if not found:
-        raise FormatError(manifest or path, "no motion in it", expected=f"{', '.join(READERS)} files", fix="Check the path")
+        fix = "Add the motions; an ASF file is a skeleton at rest"
+        raise FormatError(manifest or path, "no motion in it", expected=f"{', '.join(READERS)} files", fix=fix)
     return _uniquely_named(found, folder)
 
 

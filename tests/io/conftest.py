@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tarfile
+
 import numpy as np
 import pytest
 
@@ -43,3 +45,16 @@ def same():
             np.testing.assert_allclose(read.image.astype(int), written.image, atol=2)
 
     return compare
+
+
+@pytest.fixture(scope="session")
+def hdm05_clips(real_data, tmp_path_factory):
+    """The first AMC file of a standing action of three actors of HDM05, unpacked with their skeletons."""
+    archive = real_data("mocap/hdm05_smij11") / "hdm05_smij11_raw_asf_amc.tar.xz"
+    folder = tmp_path_factory.mktemp("hdm05")
+    with tarfile.open(archive) as tar:
+        wanted = [item for item in tar.getmembers() if "grabHighR" in item.name or item.name.endswith(".asf")]
+        tar.extractall(folder, members=wanted, filter="data")
+    found = sorted(folder.rglob("*.amc"), key=lambda path: path.name)
+    first = {path.name.split("_")[1]: path for path in reversed(found)}
+    return [first[actor] for actor in ("bd", "dg", "tr")]
