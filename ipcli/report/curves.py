@@ -74,7 +74,7 @@ def plot(
         transform=f"translate({LEFT} {TOP})",
     )
     heading = element("text", title, class_="title", x=LEFT, y=16)
-    legend = _legend(series) if len(series) > 1 else ""
+    legend = _legend(series, width) if len(series) > 1 else ""
     return element(
         "svg", heading, legend, area, class_="plot", viewBox=f"0 0 {width} {height}", role="img", aria_label=title
     )
@@ -139,13 +139,18 @@ def _line(line: Series, index: int, x: Axis, y: Axis) -> Markup:
     return element("g", element("path", class_=kind, d="".join(path)), *marks)
 
 
-def _legend(series: Sequence[Series]) -> Markup:
-    parts, at = [], float(LEFT)
-    for index, line in enumerate(series):
+def _legend(series: Sequence[Series], width: float) -> Markup:
+    """Names with a stroke of their lines; what does not fit into the first row goes to a second one."""
+    lengths = [24 + LEGEND_LETTER * len(line.name) + 18 for line in series]
+    at, y = float(LEFT), 32 if LEFT + sum(lengths) <= width else 28
+    parts = []
+    for index, (line, length) in enumerate(zip(series, lengths, strict=True)):
+        if at > LEFT and at + length - 18 > width:
+            at, y = float(LEFT), y + 13
         kind = f"line s{index % 6}" + (" dashed" if line.dashed else "")
-        parts += [element("path", class_=kind, d=f"M{_short(at)} 32h18")]
-        parts += [element("text", line.name, class_="tick", x=_short(at + 24), y=32, dy="0.35em")]
-        at += 24 + LEGEND_LETTER * len(line.name) + 18
+        parts += [element("path", class_=kind, d=f"M{_short(at)} {y}h18")]
+        parts += [element("text", line.name, class_="tick", x=_short(at + 24), y=y, dy="0.35em")]
+        at += length
     return element("g", *parts)
 
 

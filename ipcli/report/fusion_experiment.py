@@ -13,7 +13,7 @@ from ipcli.report.averages import depth_average, over_scenes
 from ipcli.report.curves import Series, plot
 from ipcli.report.evaluate_fusion import SHOWN, SPARSIFICATION, extent, lights
 from ipcli.report.numbers import DASH, aligned, number
-from ipcli.report.page import Markup, details, element, figure, gallery, notice, page as document, section, table
+from ipcli.report.page import Markup, details, element, figure, gallery, page as document, section, table
 from ipcli.report.pictures import Scale, draw, robust
 from ipcli.report.surface import SHADE
 
@@ -316,8 +316,3 @@ def scale_space_sections(e: Experiment) -> Iterator[Markup]:
 
 def _figure(panel: Panel) -> Markup:
     return figure(draw(panel.values, panel.scale, 420), panel.caption, crisp=panel.values.shape[1] <= 128)
-
-
-def quick_notice() -> Markup:
-    """Says that these are not the real data."""
-    return notice("a quick look on small generated scenes; it shows that everything runs, not how good it is.")

@@ -83,3 +83,10 @@ def test_a_ring_stands_at_its_place_and_the_axes_reach_it():
     ring = next(node for node in drawn(svg).iter("circle") if node.get("r") == "6")
     (line,) = vertices(svg)
     assert float(ring.get("cx")) == pytest.approx(line[1, 0] * 3, abs=0.2) and 0 <= float(ring.get("cy")) < line[:, 1].min()
+
+
+def test_a_long_legend_goes_on_in_a_second_row_within_the_plot():
+    names = ["median", "rof-median", "tgv-l1", "l1-heuristic", "l1-adapt (acs)", "adapt-hprior"]
+    svg = plot([Series(name, np.arange(3), np.arange(3)) for name in names], "t", "x", "y", width=470)
+    found = [node for node in drawn(svg).iter("text") if node.text in names]
+    assert len({node.get("y") for node in found}) == 2 and max(float(node.get("x")) for node in found) < 470 - 60
