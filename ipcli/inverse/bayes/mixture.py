@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from ipcli.errors import ParameterError
 from ipcli.inverse.bayes.chain import TRACE, Chain
 from ipcli.inverse.bayes.hyperparameters import Hyperparameters
 from ipcli.inverse.bayes.parameters import Mixture
+from ipcli.inverse.bayes.partitions import nearest
 from ipcli.inverse.bayes.predictive import Predictive
 
 State = dict[str, np.ndarray]
@@ -28,18 +30,23 @@ class Fitted:
     log_joint: np.ndarray  # (draws,)
     trace: np.ndarray  # (chains, sweeps, len(TRACE))
 
+    @cached_property
+    def typical(self) -> int:
+        """The draw nearest to all of them: its labels are the point partition."""
+        return nearest(self.partitions)
+
     @property
     def best(self) -> int:
-        """The draw with the highest joint density: its labels are the point partition."""
+        """The draw with the highest joint density, which may be an untypical one: hyperparameters weigh in it too."""
         return int(self.log_joint.argmax())
 
     def labels(self) -> np.ndarray:
         """Labels (n,) of the point partition."""
-        return self.partitions[self.best]
+        return self.partitions[self.typical]
 
     def behaviours(self) -> Predictive:
         """The mixture of the point partition: row k is the component of label k, the last row that of a new cluster."""
-        return self.predictive.of(self.best)
+        return self.predictive.of(self.typical)
 
     def cluster_counts(self) -> np.ndarray:
         """Posterior probability of 0, 1, 2, ... clusters, over the draws."""
