@@ -8,6 +8,8 @@ Every case runs in a process of its own; see README.md for what the tables say.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 import time
 from typing import Any
@@ -103,6 +105,63 @@ def fusion(shape: tuple[int, int], count: int) -> dict[str, float]:
     }
 
 
+def tiled(shape: tuple[int, int], count: int) -> dict[str, float]:
+    """As `fusion`, tile by tile, of views that are read from disk whenever a tile asks for them; the memory counts the views too."""
+    import tempfile
+
+    from benchmarks import scene
+    from ipcli.models.fusion import tiles
+    from ipcli.models.fusion.fuse import fuse
+    from ipcli.models.fusion.parameters import Fusion
+
+    warm = scene.views(count, (64, 64))
+    fuse(warm, warm[count // 2], Fusion(), inverse=False)
+    with tempfile.TemporaryDirectory() as folder:
+        views = OnDisk(Path(folder), shape, count)
+        reference, before = views[count // 2], forget_peak()
+        started, started_cpu = time.perf_counter(), time.process_time()
+        fused = tiles.fuse_in_tiles(views, reference, Fusion(), tiles.SIDE, inverse=False)
+        seconds, cpu = time.perf_counter() - started, time.process_time() - started_cpu
+    error = float(np.nanmean(np.abs(fused.depth - scene.cast(tuple(shape), reference.intrinsics, reference.cam_from_world))))
+    return {"seconds": seconds, "cpu": cpu, "memory": peak_memory() - before, "error": error}
+
+
+class OnDisk(Sequence):
+    """Views of the generated scene in files, read when they are asked for."""
+
+    def __init__(self, folder: Path, shape: tuple[int, int], count: int):
+        from benchmarks import scene
+
+        self.folder, self.cameras = folder, []
+        for k in range(count):
+            view = scene.view(k, count, tuple(shape))
+            np.save(folder / f"{k}.npy", view.depth)
+            self.cameras.append(replace(view, depth=None, truth=None))
+
+    def __len__(self) -> int:
+        return len(self.cameras)
+
+    def __getitem__(self, k: int) -> Any:
+        return replace(self.cameras[k], depth=np.load(self.folder / f"{k}.npy"))
+
+
+def in_tiles(cases: Sequence[tuple[float, int]], threads: int) -> list[dict[str, Any]]:
+    """A row for each (Mpx, K)."""
+    rows = []
+    for megapixels, count in cases:
+        say(f"{megapixels:g} Mpx, K = {count}, in tiles, threads: {threads}")
+        row: dict[str, Any] = {"Mpx": megapixels, "K": count, "threads": threads}
+        try:
+            found = isolated("benchmarks.fusion_scaling:tiled", threads, shape=shape_of(megapixels), count=count)
+        except RuntimeError as error:
+            rows.append(row | {"failed": str(error)})
+            continue
+        row |= {"s": found["seconds"], "CPU s": found["cpu"], "MB": found["memory"]}
+        row["one copy of the observations, MB"] = 4 * megapixels * count
+        rows.append(row | {"mean error, 1e-3": 1e3 * found["error"]})
+    return rows
+
+
 def shape_of(megapixels: float) -> tuple[int, int]:
     """(h, w) of an image of this size."""
     height = round((megapixels * 1e6 / ASPECT) ** 0.5)
@@ -167,11 +226,13 @@ def _slope(sizes: list[float], values: list[float]) -> float | None:
 
 
 def bandwidth(rows: list[dict[str, Any]], speeds: dict[int, float]) -> list[dict[str, Any]]:
-    """The triad beside what an iteration moves: x, v, p, q, x_bar, v_bar, y read and written once, the data read."""
+    """The triad beside what an iteration moves: x, v, p, q read and written, data and weights read, once a pass of iterations."""
+    from ipcli.inverse.regularize.tgv import AT_ONCE
+
     table = []
     for threads, speed in speeds.items():
         own = [row for row in rows if row["threads"] == threads and "failed" not in row]
-        moved = [4e6 * row["Mpx"] * (2 * (8 + 4) + 2 + row["K"]) / (1e-3 * row["ms / iteration"]) / 1e9 for row in own]
+        moved = [4e6 * row["Mpx"] * (2 * 8 + 3 + row["K"]) / AT_ONCE / (1e-3 * row["ms / iteration"]) / 1e9 for row in own]
         row = {"threads": threads, "STREAM triad GB/s": speed}
         table.append(
             row
@@ -193,6 +254,9 @@ def main(arguments: list[str] | None = None) -> None:
         measured(*case, threads) for case in cases(options.pixels, options.observations, middle) for threads in THREADS
     ]
     tables = {"Cases": rows, "Growth": exponents(rows, middle), "Bandwidth": bandwidth(rows, speeds)}
+    largest = max(options.pixels)
+    corners = sorted({(largest, middle[1]), (largest, max(options.observations))})
+    tables["In tiles, views read from disk"] = in_tiles(corners, max(THREADS))
     publish("fusion_scaling", "Fusion: growth of time and memory", tables, {}, options.output)
 
 

@@ -77,7 +77,8 @@ def test_the_comparison_of_solvers_has_all_its_rows(tmp_path):
 @pytest.mark.slow
 def test_the_growth_has_all_its_rows(tmp_path):
     fusion_scaling.main(["--pixels", "0.003", "0.006", "--observations", "3", "--output", str(tmp_path)])
-    cases, growth, bandwidth = json.loads((tmp_path / "fusion_scaling.json").read_text())["tables"].values()
+    cases, growth, bandwidth, tiled = json.loads((tmp_path / "fusion_scaling.json").read_text())["tables"].values()
+    assert [(row["Mpx"], row["K"]) for row in tiled] == [(0.006, 3)] and tiled[0]["mean error, 1e-3"] < 30
     assert [(row["Mpx"], row["K"], row["threads"]) for row in cases] == [
         (0.003, 3, 1),
         (0.003, 3, 2),

@@ -203,5 +203,5 @@ def test_in_tiles_the_artefact_is_sound_and_as_near_to_the_truth(whole, source, 
     schema.validate(schema.kind("depth"), tiled)
     np.testing.assert_allclose(tiled["metrics"], at_once["metrics"], rtol=0.05, atol=1e-3)
     np.testing.assert_allclose(tiled["view_overlap"], at_once["view_overlap"], atol=0.05)
-    np.testing.assert_allclose(tiled["view_residual"], at_once["view_residual"], rtol=0.15)
+    np.testing.assert_allclose(tiled["view_residual"], at_once["view_residual"], rtol=0.4)  # of every 16th pixel
     np.testing.assert_array_equal(tiled["view_valid"], at_once["view_valid"])
