@@ -32,13 +32,14 @@ def test_planted_clusters_are_found_from_many_clusters_and_from_one(n, k, d, sta
     x, truth = planted(n, k, d, seed=1, apart=12.0)
     fitted = fit(x, Mixture(sweeps=60, burn_in=30, thin=3, start=start, moves=20), np.random.default_rng(0))
     assert variation_of_information(fitted.labels(), truth) < 0.1
-    assert fitted.cluster_counts().argmax() == k
+    large = [np.sum(np.bincount(labels) > 0.02 * n) for labels in fitted.partitions]
+    assert np.median(large) == k  # a Dirichlet process always expects a few more to come, and holds them ready
 
 
 def test_one_gaussian_is_hardly_divided():
     x, _ = planted(300, 1, 7, seed=1)
-    fitted = fit(x, Mixture(sweeps=60, burn_in=30, thin=3), np.random.default_rng(0))
-    assert np.bincount(fitted.labels()).max() > 0.9 * len(x)  # a Dirichlet process always expects a few more to come
+    fitted = fit(x, Mixture(sweeps=300, burn_in=100, thin=5), np.random.default_rng(0))
+    assert np.bincount(fitted.labels()).max() > 0.9 * len(x)
 
 
 def test_the_units_of_the_data_change_the_partition_not_and_the_density_by_their_determinant():
