@@ -8,6 +8,7 @@ from importlib import import_module
 from ipcli.errors import ParameterError
 
 PAGES = {
+    "clips": "ipcli.report.clips",
     "cloud": "ipcli.report.merge_depth",
     "comparison": "ipcli.report.compare",
     "depth": "ipcli.report.fuse_depth",
