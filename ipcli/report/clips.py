@@ -11,7 +11,7 @@ from ipcli.geometry import motion as motions
 from ipcli.geometry.skeleton import Clips, Groups, Motion
 from ipcli.report import pictures
 from ipcli.report.numbers import number
-from ipcli.report.page import Markup, element, gallery, join, notice, section, table
+from ipcli.report.page import Markup, element, join, notice, section, table
 from ipcli.report.page import page as document
 from ipcli.report.provenance import origin
 from ipcli.report.skeleton import bounds, pose_figure
@@ -61,7 +61,7 @@ def _sheet(clips: Clips, groups: Groups | None) -> Markup:
         name = next(name for name, own in zip(clips.names, clips.labels, strict=True) if own == label)
         rows.append(_poses(clips, name, label or UNKNOWN, groups))
     lead = f"The first clip of each action at {POSES} evenly spread times, from the front and from the right"
-    lead += ", turned as the body faces in the first frame." if groups else ", in the frame of the world."
+    lead += ", the body in the middle and turned as it faces in the first frame." if groups else ", in the frame of the world."
     lead += f" {MOST} of {len(labels)} actions." if len(labels) > MOST else ""
     return section("Contact sheet", *rows, lead=lead)
 
@@ -73,19 +73,18 @@ def _poses(clips: Clips, name: str, label: str, groups: Groups | None) -> Markup
     box, parents = bounds(list(turned)), np.array(clips.skeleton.parents)
     picked = np.ones(len(parents), bool)
     drawn = [
-        pose_figure([pose], parents, picked, f"{number(time / motion.rate, 3)} s", box=box, height=110)
+        pose_figure([pose], parents, picked, f"{number(time / motion.rate, 3)} s", box=box, height=130)
         for pose, time in zip(turned, times, strict=True)
     ]
-    return join(element("h3", f"{label} "), element("p", name, class_="lead"), gallery(*drawn, columns=POSES, small=True))
+    return join(element("h3", f"{label} "), element("p", name, class_="lead"), element("div", *drawn, class_="poses"))
 
 
 def _facing(motion: Motion, groups: Groups | None) -> np.ndarray:
-    """Positions (f, j, 3) with the middle of the first frame's joints above the origin, the body facing +z in that frame."""
-    first = motion.positions[0]
-    known = np.isfinite(first).all(axis=-1)
-    middle = first[known].mean(axis=0) * [1, 0, 1] if known.any() else np.zeros(3)
+    """Positions (f, j, 3) with the middle of the joints above the origin, turned so that the body faces +z in the first frame."""
+    known = np.isfinite(motion.positions).all(axis=-1)[..., None]
+    middle = np.where(known, motion.positions, 0).sum(axis=1, keepdims=True) / np.maximum(known.sum(axis=1, keepdims=True), 1)
     turn = motions.heading(motion, groups)[0] if groups else np.eye(3)
-    return (motion.positions - middle) @ (turn if np.isfinite(turn).all() else np.eye(3))
+    return (motion.positions - middle * [1, 0, 1]) @ (turn if np.isfinite(turn).all() else np.eye(3))
 
 
 def _who(clips: Clips, frames: np.ndarray) -> Markup:
