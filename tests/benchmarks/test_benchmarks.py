@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from benchmarks import fusion_baselines, fusion_problem, fusion_scaling, fusion_solver, fusion_solvers, measure
+from benchmarks import bayes_gibbs, fusion_baselines, fusion_problem, fusion_scaling, fusion_solver, fusion_solvers, measure
 
 
 @pytest.fixture(scope="module")
@@ -87,3 +87,14 @@ def test_the_growth_has_all_its_rows(tmp_path):
     ]
     assert not any("failed" in row for row in cases)
     assert len(growth) == 6 and [row["threads"] for row in bandwidth] == [1, 2]
+
+
+@pytest.mark.slow
+def test_the_mixtures_have_all_their_rows_and_ours_finds_the_planted_clusters(tmp_path):
+    bayes_gibbs.main(["--quick", "--output", str(tmp_path)])
+    case, many, density = json.loads((tmp_path / "bayes_gibbs.json").read_text())["tables"].values()
+    rows = {row["method"]: row for row in case}
+    assert not any("failed" in row for row in case)
+    assert rows["ipcli, whole fit"]["VI to the truth"] < 0.2
+    assert [row["executor"] for row in many] == ["serial", "processes:2"]
+    assert [row["draws"] for row in density] == list(bayes_gibbs.DRAWS)
