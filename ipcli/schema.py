@@ -215,6 +215,7 @@ DEPTH = Kind(
     (
         Field("depth", "float32", ("h", "w"), "unit", "Fused depth along the optical axis", domain=DISTANCE),
         Field("confidence", "float32", ("h", "w"), "1", "Lambda of (4.3), relative to the noise scale", domain=WEIGHT),
+        Field("uncertainty", "float32", ("h", "w"), "unit", "Error to expect, up to a factor: orders pixels", True, DISTANCE),
         Field("normals", "float32", ("h", "w", 3), "1", "Unit normals in the camera frame, facing the camera; NaN unknown"),
         Field("observations", "uint16", ("h", "w"), "1", "Observations per pixel; 0: in-painted"),
         Field("mean", "float32", ("h", "w"), "unit", "Mean of the forward projected observations, a baseline", domain=DISTANCE),
@@ -239,6 +240,7 @@ DEPTH = Kind(
         Field("metric_rows", "str", ("m",), "", "Result that each row measures", optional=True),
         Field("metric_columns", "str", ("c",), "", "Measure and unit of each column", optional=True),
         Field("ause", "float64", (), "1", "Area under the sparsification error of `confidence`, in mean errors", optional=True),
+        Field("ause_uncertainty", "float64", (), "1", "The same of `uncertainty`", optional=True),
         Field("ause_angle", "float64", (), "1", "The same of the angle of view (4.35) as a confidence", optional=True),
     ),
 )

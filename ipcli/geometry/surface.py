@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ipcli.geometry.cameras import rays
+
 
 def normals(depth: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
     """Unit normals (h, w, 3) float32 in the camera frame, facing the camera, of a depth map (h, w); NaN where undefined.
@@ -18,6 +20,20 @@ def normals(depth: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
     inverse = np.linalg.inv(intrinsics)
     threads.each(lambda rows: kernels.normals(out, depth, inverse, *rows), threads.blocks(depth.shape[0]))
     return out
+
+
+def normals_of_slopes(depth: np.ndarray, slopes: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
+    """Unit normals (h, w, 3) float32 in the camera frame, facing the camera, of a depth map (h, w) whose slopes are known apart.
+
+    slopes (2, h, w) are the derivatives of the depth along columns and rows, in units of depth per pixel.
+    """
+    directions, inverse = rays(depth.shape, intrinsics), np.linalg.inv(intrinsics)
+    along_u, along_v = (
+        slope[..., None] * directions + depth[..., None] * inverse[:, axis] for axis, slope in enumerate(slopes.astype(np.float64))
+    )
+    n = np.cross(along_v, along_u)
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    return (n * -np.sign((n * directions).sum(axis=-1, keepdims=True))).astype(np.float32)
 
 
 def triangulate(depth: np.ndarray, keep: np.ndarray, jump: float = 0.05) -> tuple[np.ndarray, np.ndarray]:

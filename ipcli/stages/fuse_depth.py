@@ -159,14 +159,13 @@ def described(fused: Fused, reference: View, sequence: Views, domain: str, param
     """The fused map, its camera and how it came to be."""
     import numpy as np
 
-    from ipcli.geometry.surface import normals
-
     in_pixels = domain == "disparity" and sequence.baseline_focal is not None
     adaptive = f" ({params.fusion.algorithm})" if "adapt" in params.fusion.method else ""
     arrays = {
         "depth": fused.depth,
         "confidence": fused.confidence,
-        "normals": normals(fused.depth, reference.intrinsics),
+        "uncertainty": fused.uncertainty,
+        "normals": fused.normals,
         "observations": fused.observations,
         "mean": fused.mean,
         "median": fused.median,
@@ -223,7 +222,8 @@ def judged(fused: Fused, reference: View, baseline_focal: float | None) -> dict[
     maps["fused"] = np.where(observed, fused.depth, np.nan).astype(np.float32)
     if not observed.all():
         maps["fused, in-painted"] = fused.depth
-    columns, rows = compare(maps, reference.truth, reference.intrinsics, baseline_focal)
+    own = {name: fused.normals for name in maps if name.startswith("fused")}
+    columns, rows = compare(maps, reference.truth, reference.intrinsics, baseline_focal, own)
     error = maps["fused"] - reference.truth
     angle = view_angle(fused.depth, reference.intrinsics)
     return {
@@ -232,6 +232,7 @@ def judged(fused: Fused, reference: View, baseline_focal: float | None) -> dict[
         "metric_rows": np.array(list(maps)),
         "metric_columns": np.array(columns),
         "ause": np.float64(ause(fused.confidence, error)),
+        "ause_uncertainty": np.float64(ause(-fused.uncertainty, error)),
         "ause_angle": np.float64(ause(angle, error)),
     }
 

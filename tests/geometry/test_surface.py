@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ipcli.geometry.cameras import back_project, rays
-from ipcli.geometry.surface import normals, triangulate
+from ipcli.geometry.surface import normals, normals_of_slopes, triangulate
 
 SHAPE = (36, 48)
 K = np.array([[60.0, 0, 22.5], [0, 58.0, 17.5], [0, 0, 1]])
@@ -21,6 +21,15 @@ def test_normals_of_a_plane_are_exact_up_to_the_border_and_face_the_camera(norma
     expected = -np.array(normal) / np.linalg.norm(normal)
     np.testing.assert_allclose(n, np.broadcast_to(expected, n.shape), atol=1e-6)
     np.testing.assert_allclose(np.linalg.norm(n, axis=-1), 1, atol=1e-6)
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1), (0.4, 0, 1), (-0.3, 0.5, 1)])
+def test_normals_of_the_slopes_of_a_plane_are_exact(normal):
+    depth, inverse = plane(normal), np.linalg.inv(K)
+    # z = o / (n . K^-1 (u, v, 1)), so dz / du = -z^2 / o n . K^-1 e_u
+    slopes = np.stack([-(depth**2) / 2.0 * (np.asarray(normal, float) @ inverse[:, axis]) for axis in (0, 1)])
+    n = normals_of_slopes(depth, slopes, K)
+    np.testing.assert_allclose(n, np.broadcast_to(-np.array(normal) / np.linalg.norm(normal), n.shape), atol=1e-6)
 
 
 def sphere(centre=(0.1, -0.05, 3.0), radius=0.8):

@@ -9,10 +9,12 @@ import numpy as np
 
 from ipcli.errors import NoSolution
 from ipcli.geometry.cameras import View
+from ipcli.geometry.surface import normals, normals_of_slopes
 from ipcli.inverse.regularize import tgv
 from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Observations, SquaredDeviations
 from ipcli.models.fusion import confidence as priors
 from ipcli.models.fusion.alternation import ALGORITHMS, START, History, Problem, with_given_confidence
+from ipcli.models.fusion.edges import first_order_weights
 from ipcli.models.fusion.observations import Normalised, Units, floor, measure
 from ipcli.models.fusion.parameters import METHODS, Fusion, Method
 from ipcli.models.fusion.pyramid import start
@@ -26,6 +28,8 @@ class Fused:
 
     depth: np.ndarray  # float32, in-painted where nothing was observed; NaN there for methods without regularisation
     confidence: np.ndarray  # float32, L of eq. (4.14), in inverse noise scales; 0 where nothing was observed
+    uncertainty: np.ndarray  # float32, the error to expect up to a factor, in the unit of depth; NaN where nothing was observed
+    normals: np.ndarray  # (h, w, 3) float32, by the slopes of TGV if there are any
     observations: np.ndarray  # uint16
     mean: np.ndarray  # float32, of the forward projected observations, NaN where there are none
     median: np.ndarray  # float32, likewise
@@ -78,6 +82,8 @@ def fuse(
     return Fused(
         depth=last.ended.depth,
         confidence=last.problem.best_confidence(last.x),
+        uncertainty=last.uncertainty(),
+        normals=last.normals(reference.intrinsics, METHODS[fusion.method]),
         observations=last.data.count.astype(np.uint16),
         mean=mean,
         median=median,
@@ -122,6 +128,23 @@ class Pass:
         """The fused image (h, w) float32, in these units."""
         return self.iterate.x
 
+    def uncertainty(self) -> np.ndarray:
+        """The error to expect in depth, up to a factor (h, w) float32; NaN where nothing was observed."""
+        absolute = AbsoluteDeviations(self.data, np.ones_like(self.x)).deviation(self.x)
+        error = priors.uncertainty(self.x, absolute, self.data.count) * self.units.slopes(self.x)
+        return np.where(self.data.count > 0, error, np.nan).astype(np.float32)
+
+    def normals(self, intrinsics: np.ndarray, method: Method) -> np.ndarray:
+        """Unit normals (h, w, 3) float32: TGV's slopes are the smooth part of the gradient of its image."""
+        depth = self.units.depth(self.x)
+        if method.order < 2:
+            return normals(depth, intrinsics)
+        v = self.iterate.v.copy()  # between a pixel and the next
+        v[0, :, 1:-1] = (v[0, :, 1:-1] + v[0, :, :-2]) / 2
+        v[1, 1:-1] = (v[1, 1:-1] + v[1, :-2]) / 2
+        sign = -1 if self.units.inverse else 1
+        return normals_of_slopes(depth, sign * v * self.units.slopes(self.x), intrinsics)
+
     @property
     def ended(self) -> Ended:
         """Where it ended, without the observations."""
@@ -162,6 +185,9 @@ def fuse_layers(
     weight = float(data.total.sum() / data.count.sum())  # of an observation, on average: the start takes them all alike
     levels = fusion.solver.levels
     iterate = before.iterate_in(units) if before else start(x, lam * weight, problem.regulariser, fusion.solver, levels)
+    if before and method.order == 2 and fusion.edges.gain:
+        weights = first_order_weights(iterate.x, iterate.v, data.count, fusion.edges)
+        problem = replace(problem, regulariser=replace(problem.regulariser, alpha1=problem.regulariser.alpha1 * weights))
     problem = solve(problem, iterate, method, fusion, units, reference, history)
     return Pass(layers.depth, units, data, problem, iterate, history)
 

@@ -12,13 +12,15 @@ DISPARITY_COLUMNS = ("out-3 %", "D-avg px")
 
 
 def compare(
-    maps: dict[str, np.ndarray], truth: np.ndarray, intrinsics: np.ndarray, baseline_focal: float | None
+    maps: dict[str, np.ndarray], truth: np.ndarray, intrinsics: np.ndarray, baseline_focal: float | None,
+    own_normals: dict[str, np.ndarray] | None = None,
 ) -> tuple[list[str], np.ndarray]:
     """Columns and a row of figures for each depth map (h, w), NaN = nothing, against the truth (h, w), NaN = unknown.
 
     Depth errors are taken where every map has a value, so that no map gains by leaving the hard pixels out; the density says
     how much of the truth each covers by itself. centred RMSE and Z-MAE are those of the thesis' tables, after subtracting the
-    mean and the median error; N-MAE is the mean angle between the normals in radians, a missing normal counting 90 degrees.
+    mean and the median error; N-MAE is the mean angle between the normals in radians, a missing normal counting 90 degrees;
+    of the maps in `own_normals` those (h, w, 3) are judged, of others those of the map.
     With baseline_focal (pixels times unit) follow the share of disparities that are off by more than 3 px and the mean
     disparity error, both after the background interpolation of the KITTI benchmark and so on every pixel of the truth.
     """
@@ -26,12 +28,14 @@ def compare(
     everywhere = known & np.isfinite(np.stack(list(maps.values()))).all(axis=0)
     true_normals = normals(truth, intrinsics)
 
-    def row(depth: np.ndarray) -> list[float]:
-        angle = normal_error(normals(depth, intrinsics), true_normals, everywhere)
+    def row(name: str) -> list[float]:
+        depth = maps[name]
+        found = own_normals[name] if own_normals and name in own_normals else normals(depth, intrinsics)
+        angle = normal_error(found, true_normals, everywhere)
         disparity = disparity_errors(baseline_focal / depth, baseline_focal / truth) if baseline_focal else []
         return [100 * np.isfinite(depth[known]).mean(), *depth_errors(depth, truth, everywhere), angle, *disparity]
 
-    rows = threads.each(row, list(maps.values()))
+    rows = threads.each(row, list(maps))
     return list(DEPTH_COLUMNS + (DISPARITY_COLUMNS if baseline_focal else ())), np.array(rows)
 
 

@@ -37,6 +37,11 @@ class Units:
         q = 1 / depth if self.inverse else depth
         return ((q - self.centre) / self.scale).astype(np.float32)
 
+    def slopes(self, x: np.ndarray) -> np.ndarray:
+        """|dz / dx| (h, w) float32: what a difference in x is worth in depth, at x."""
+        q = np.maximum(x.astype(np.float64) * self.scale + self.centre, self.floor)
+        return (self.scale / q**2 if self.inverse else np.full(x.shape, self.scale)).astype(np.float32)
+
     def depth(self, x: np.ndarray) -> np.ndarray:
         """x to depth, float32."""
         q = np.maximum(x.astype(np.float64) * self.scale + self.centre, self.floor)

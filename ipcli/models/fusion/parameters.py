@@ -55,6 +55,14 @@ class Confidence:
 
 
 @dataclass(frozen=True)
+class Edges:
+    """How TGV treats the jumps of a first fused map in the passes after it; methods of order 2 only."""
+
+    gain: float = option(1.5, "weight of the first-order term away from jumps, times alpha1; 0: 1 everywhere, as in the thesis", low=0.0)
+    width: float = option(0.3, "jump that halves the weight, in noise scales over sqrt(K) for K observations", low=1e-6)
+
+
+@dataclass(frozen=True)
 class Fusion:
     """Energy (4.3) and the algorithm that lowers it."""
 
@@ -75,6 +83,7 @@ class Fusion:
     )
     huber: float = option(1.0, "width of the Huber deviation, in noise scales", low=1e-6)
     confidence: Confidence = field(default_factory=Confidence)
+    edges: Edges = field(default_factory=Edges)
     regulariser: Regulariser = field(default_factory=Regulariser)
     solver: Solver = field(default_factory=Solver)
 

@@ -87,7 +87,7 @@ def fuse_in_tiles(
         except NoSolution:
             continue
         inner = window.within(wide)
-        for name in ("depth", "confidence", "observations", "mean", "median"):
+        for name in ("depth", "confidence", "uncertainty", "normals", "observations", "mean", "median"):
             window.of(getattr(whole, name))[:] = inner.of(getattr(part, name))
         kept = part.layers[:, inner.rows.start : inner.rows.stop : EVERY, inner.columns.start : inner.columns.stop : EVERY]
         top, left = window.rows.start // EVERY, window.columns.start // EVERY
@@ -111,7 +111,8 @@ def empty(k: int, shape: tuple[int, int], scale: Scale) -> Fused:
 
     kept = np.full((k, *(-(-n // EVERY) for n in shape)), np.nan, np.float32)
     return Fused(
-        nothing(), np.zeros(shape, np.float32), np.zeros(shape, np.uint16), nothing(), nothing(),
+        nothing(), np.zeros(shape, np.float32), nothing(), np.full((*shape, 3), np.nan, np.float32), np.zeros(shape, np.uint16),
+        nothing(), nothing(),
         kept, scale.lam, scale.units.scale, np.empty((0, 5)), EVERY,
     )  # fmt: skip
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ipcli.geometry.cameras import rays
-from ipcli.models.fusion.confidence import LEAST, image_edges, view_angle
+from ipcli.models.fusion.confidence import LEAST, SHARE, image_edges, uncertainty, view_angle
 from tests.fusion_scenes import camera
 
 K = camera((40, 50))
@@ -34,3 +34,16 @@ def test_image_edges_are_1_on_even_areas_and_rise_to_the_gain_at_the_strongest_e
     confidence = image_edges(image, gain=3.0, power=2.0, blur=0.0)
     assert (confidence[:, :20] == 1).all() and confidence[:, 24:26] == pytest.approx(4) and confidence.max() <= 4
     assert (image_edges(np.full_like(image, 77), 3.0, 1.0, 1.0) == 1).all()
+
+
+def test_the_uncertainty_of_an_even_plane_is_the_noise_that_observations_leave_plus_its_slope():
+    x = np.tile(np.arange(40, dtype=np.float32) * 0.2, (40, 1))
+    middle = uncertainty(x, np.full((40, 40), 9 * 0.7), np.full((40, 40), 9.0))[20, 20]
+    assert middle == pytest.approx(SHARE * 0.7 / 3 + 0.2, rel=1e-3)
+
+
+def test_the_uncertainty_grows_at_a_step_and_where_observations_are_few():
+    x, count = np.zeros((40, 60), np.float32), np.full((40, 60), 9.0)
+    x[:, 40:], count[:, :15] = 5, 1
+    found = uncertainty(x, 0.7 * count, count)[20]
+    assert found[40] > found[5] > found[27]

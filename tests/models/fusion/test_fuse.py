@@ -8,10 +8,12 @@ import pytest
 
 from ipcli.errors import NoSolution
 from ipcli.geometry.cameras import rays
+from ipcli.geometry.surface import normals
 from ipcli.inverse.regularize.fidelity import Observations
 from ipcli.inverse.regularize.parameters import Solver
 from ipcli.models.fusion.confidence import LEAST, view_angle
 from ipcli.models.fusion.fuse import balanced_lambda, fuse, fuse_layers
+from ipcli.models.fusion.metrics import ause, normal_error
 from ipcli.models.fusion.parameters import METHODS, Confidence, Fusion
 from ipcli.models.fusion.reprojection import reproject_all
 from tests.fusion_scenes import camera, cast, pose_at, scaled, scene
@@ -198,3 +200,20 @@ def test_the_automatic_lambda_makes_the_scale_of_given_confidences_mean_nothing(
     one = fused(weighted(views(), [1, 2, 1, 0.5, 1]), method="tgv-l1")
     other = fused(weighted(views(), [100, 200, 100, 50, 100]), method="tgv-l1")
     assert np.quantile(np.abs(one.depth - other.depth), 0.99) < 0.1 * one.noise_scale
+
+
+@pytest.mark.parametrize("inverse", [False, True], ids=["depth", "disparity"])
+def test_the_uncertainty_orders_the_errors_far_better_than_the_confidence_does_and_about_as_the_angle_in_a_smooth_scene(inverse):
+    result, reference = fused(views(), inverse), views()[2]
+    error = np.where(result.observations > 0, result.depth, np.nan) - reference.truth
+    angle = view_angle(result.depth, reference.intrinsics)
+    own = ause(-result.uncertainty, error)
+    assert own < 0.7 * ause(result.confidence, error) and own < 1.1 * ause(angle, error)
+
+
+@pytest.mark.parametrize("inverse", [False, True], ids=["depth", "disparity"])
+def test_the_normals_of_the_slopes_are_nearer_to_the_truth_than_those_of_the_median(inverse):
+    result, reference = fused(views(), inverse), views()[2]
+    true, seen = normals(reference.truth, reference.intrinsics), result.observations > 0
+    own, median = (normal_error(n, true, seen) for n in (result.normals, normals(result.median, reference.intrinsics)))
+    assert own < 0.25 * median
