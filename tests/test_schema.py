@@ -72,6 +72,7 @@ def test_lengths_that_disagree_name_the_other_field(kind):
         "trials": ("methods", "lambdas", "m"),
         "cloud": ("maps", "map_points", "m"),
         "clips": ("clips", "labels", "c"),
+        "behaviours": ("actions", "frames", "a"),
         "recognition": ("clips", "answers", "q"),
         "evaluation": ("classes", "components", "c"),
     }[kind.name]

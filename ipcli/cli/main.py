@@ -36,6 +36,9 @@ COMMANDS = {
     "import-views": Command("ipcli.cli.import_views:main", "Turn a folder of depth maps and poses into one views file."),
     "info": Command("ipcli.cli.info:main", "Tell what a file holds and how it was made."),
     "kitti-views": Command("ipcli.cli.kitti_views:main", "Make views of KITTI stereo pairs."),
+    "mocap-classify": Command("ipcli.cli.mocap_classify:main", "Name the action of a motion.", is_script=True),
+    "mocap-evaluate": Command("ipcli.cli.mocap_evaluate:main", "Tell how often actions are named right."),
+    "mocap-train": Command("ipcli.cli.mocap_train:main", "Learn the behaviours of actions from motions.", is_script=True),
     "render-views": Command("ipcli.cli.render_views:main", "Render depth maps of a mesh, with noise if wanted."),
     "merge-depth": Command("ipcli.cli.merge_depth:main", "Join fused depth maps into one coloured cloud."),
     "report": Command("ipcli.cli.report:main", "Turn artefacts into one HTML page."),
@@ -87,6 +90,8 @@ def command_main(name: str, arguments: list[str] | None = None) -> int:
 
 
 fuse_depth = partial(command_main, "fuse-depth")
+mocap_train = partial(command_main, "mocap-train")
+mocap_classify = partial(command_main, "mocap-classify")
 
 
 def _guarded(command: click.Command, name: str, arguments: list[str] | None) -> int:

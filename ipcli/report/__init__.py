@@ -9,6 +9,7 @@ from ipcli.errors import ParameterError
 
 PAGES = {
     "clips": "ipcli.report.clips",
+    "behaviours": "ipcli.report.mocap_train",
     "cloud": "ipcli.report.merge_depth",
     "comparison": "ipcli.report.compare",
     "depth": "ipcli.report.fuse_depth",

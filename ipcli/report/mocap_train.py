@@ -41,7 +41,7 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
 def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
     frames, mean = int(arrays["frames"].sum()), arrays["components"][..., 0]
     return (
-        f"{frames} frames of {int(arrays['clips'].sum())} clips by {int(arrays['actors'])} people; {mean.min():.0f} to {mean.max():.0f} behaviours "
+        f"{frames} frames of {int(arrays['clips'].sum())} clips by {len(arrays['actors'])} people; {mean.min():.0f} to {mean.max():.0f} behaviours "
         f"for an action in a group, {mean.mean():.1f} on average."
     )
 
@@ -72,7 +72,8 @@ def _action(arrays: Mapping[str, np.ndarray], action: int, box: tuple[np.ndarray
 def _behaviour(arrays: Mapping[str, np.ndarray], index: int, rank: int, group: int, box: tuple[np.ndarray, np.ndarray]) -> Markup:
     poses = [pose for pose in arrays["behaviour_poses"][index] if np.isfinite(pose).any()]
     share = percent(float(arrays["behaviour_share"][index]))
-    picked = arrays["group_joints"][group].astype(bool)
+    picked = np.zeros(len(arrays["parents"]), bool)
+    picked[arrays["group_members"][arrays["group_members"][:, 0] == group, 1]] = True
     return pose_figure(poses, arrays["parents"], picked, f"{rank}", share, box=box)
 
 

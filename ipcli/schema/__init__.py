@@ -6,76 +6,13 @@ bound anew for each item. `Domain` says which values a number may take. docs/for
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from ipcli.errors import IpcliError, nearest
-
-ITEM = r"(?P<item>[^/.][^/]*)"
-
-
-class SchemaError(IpcliError):
-    """Arrays that do not make up an artefact of their kind."""
-
-
-class Domain(NamedTuple):
-    """Finite values above `low` (or from it, when `closed`), and NaN if `nan`."""
-
-    text: str
-    low: float = -np.inf
-    closed: bool = True
-    nan: bool = False
-
-    def holds(self, values: np.ndarray) -> np.ndarray:
-        above = values >= self.low if self.closed else values > self.low
-        inside = above & np.isfinite(values)
-        return inside | np.isnan(values) if self.nan else inside
-
-
-FINITE = Domain("finite")
-DISTANCE = Domain("> 0, or NaN where unknown", 0.0, closed=False, nan=True)
-WEIGHT = Domain("finite, >= 0", 0.0)
-
-
-@dataclass(frozen=True)
-class Field:
-    """One dataset. `name` may hold one "*" for the item of a collection; dtype "str" is Unicode text of any length."""
-
-    name: str
-    dtype: str
-    dims: tuple[str | int, ...]
-    units: str
-    doc: str
-    optional: bool = False
-    domain: Domain | None = None
-    choices: tuple[str, ...] = ()
-
-    def match(self, name: str) -> str | None:
-        """The item that `name` belongs to ("" outside a collection), or None when it is not of this field."""
-        found = re.fullmatch(re.escape(self.name).replace(r"\*", ITEM), name)
-        return None if found is None else found.groupdict().get("item", "")
-
-
-@dataclass(frozen=True)
-class Kind:
-    """A registered layout. `version` grows whenever a reader of the old one would be misled."""
-
-    name: str
-    version: int
-    doc: str
-    fields: tuple[Field, ...]
-
-    def field(self, name: str) -> tuple[Field, str]:
-        """The field that describes dataset `name`, and its item; SchemaError if there is none."""
-        for field in self.fields:
-            item = field.match(name)
-            if item is not None:
-                return field, item
-        raise SchemaError(f"{name}: not a field of '{self.name}'{nearest(name, (f.name for f in self.fields))}")
+from ipcli.errors import nearest
+from ipcli.schema.fields import DISTANCE, FINITE, WEIGHT, Domain, Field, Kind, SchemaError
+from ipcli.schema.mocap import BEHAVIOURS, CLIPS, EVALUATION, RECOGNITION
 
 
 def kind(name: str) -> Kind:
@@ -160,7 +97,7 @@ def markdown() -> str:
     lines = [
         "# Formats of the artefacts",
         "",
-        "Generated from `ipcli/schema.py` by `python tools/make_formats.py`; do not edit by hand.",
+        "Generated from `ipcli/schema/` by `python tools/make_formats.py`; do not edit by hand.",
         "",
         "Every artefact is an HDF5 file with the root attributes `ipcli_kind`, `ipcli_version` (integer), `provenance` (JSON) and",
         "`ipcli_complete` = 1. Each dataset carries `units`, `dims`, `description` and `crc32` (of its bytes in C order; of text, of its",
@@ -315,78 +252,6 @@ CLOUD = Kind(
     ),
 )
 
-CLIPS = Kind(
-    "clips",
-    1,
-    "Labelled clips of motion of one skeleton, their frames one clip after the other. World: right-handed, y up.",
-    (
-        Field("clips", "str", ("c",), "", "Name of each clip"),
-        Field("labels", "str", ("c",), "", "Action of each clip; empty where unknown"),
-        Field("actors", "str", ("c",), "", "Who moves; empty where unknown"),
-        Field("frames", "int64", ("c",), "1", "Frames of each clip; they add up to n", domain=Domain(">= 1", 1.0)),
-        Field("rates", "float64", ("c",), "Hz", "Frames a second of each clip", domain=Domain("finite, > 0", 0.0, closed=False)),
-        Field("joints", "str", ("j",), "", "Name of each joint"),
-        Field("parents", "int64", ("j",), "1", "Index of the parent of each joint; -1 none", domain=Domain(">= -1", -1.0)),
-        Field("positions", "float32", ("n", "j", 3), "m", "Joints in the world", domain=Domain("finite, or NaN where not seen", nan=True)),
-        Field("rotations", "float32", ("n", "j", 4), "1", "Quaternion x, y, z, w of world_from_bone; NaN unknown", optional=True),
-        Field("frame_labels", "str", ("n",), "", "Action in each frame; empty where unknown", optional=True),
-        Field("split_names", "str", ("s",), "", "Published splits of the data set", optional=True),
-        Field("splits", "int8", ("s", "c"), "1", "1: clip to train on, 2: to test on, 0: neither", optional=True),
-    ),
-)
-
-RECOGNITION = Kind(
-    "recognition",
-    1,
-    "The actions that queries (clips, handfuls of their frames, or windows along them) were recognised as.",
-    (
-        Field("queries", "str", (), "", "What was asked about", choices=("clip", "unordered", "window")),
-        Field("clips", "str", ("q",), "", "Clip that each query is of"),
-        Field("frames", "int64", ("q",), "1", "Frames of each query that could be used"),
-        Field("times", "float64", ("q", 2), "s", "Start and end of each query in its clip", domain=FINITE),
-        Field("actions", "str", ("a",), "", "Actions that the model knows"),
-        Field("groups", "str", ("g",), "", "Groups of joints"),
-        Field("answers", "str", ("q",), "", "The action, or `none`"),
-        Field("posterior", "float64", ("q", "a"), "1", "Posterior of each action, as if one of them it must be", domain=WEIGHT),
-        Field("group_posterior", "float64", ("q", "g"), "1", "Posterior of the answer by each group alone; NaN without frames"),
-        Field("surprise", "float64", ("q",), "1", "How unlike all that was learnt of the best action; NaN without frames"),
-        Field("threshold", "float64", (), "1", "Surprise above which the answer is `none`; infinite: never"),
-        Field("truth", "str", ("q",), "", "Label of each query; empty where unknown", optional=True),
-        Field("segment_clip", "str", ("s",), "", "Clip of each segment: windows of one answer in a row", optional=True),
-        Field("segment_time", "float64", ("s", 2), "s", "Start and end of each segment", optional=True, domain=FINITE),
-        Field("segment_answer", "str", ("s",), "", "The action, or `none`", optional=True),
-        Field("segment_posterior", "float64", ("s",), "1", "Mean posterior of the answer", optional=True, domain=WEIGHT),
-        Field("truth_segment_clip", "str", ("t",), "", "Clip of each segment of one label", optional=True),
-        Field("truth_segment_time", "float64", ("t", 2), "s", "Its start and end", optional=True, domain=FINITE),
-        Field("truth_segment_answer", "str", ("t",), "", "Its label", optional=True),
-    ),
-)
-
-EVALUATION = Kind(
-    "evaluation",
-    1,
-    "Right and wrong answers of models that were trained on a part of the clips and asked about another part.",
-    (
-        Field("split", "str", (), "", "How the clips were parted"),
-        Field("splits", "str", ("s",), "", "Name of each split"),
-        Field("classes", "str", ("c",), "", "Actions"),
-        Field("groups", "str", ("g",), "", "Groups of joints"),
-        Field("train_clips", "int64", ("s",), "1", "Clips that were learnt from"),
-        Field("train_frames", "int64", ("s",), "1", "Frames that were learnt from"),
-        Field("test_clips", "int64", ("s",), "1", "Clips that were recognised"),
-        Field("test_frames", "int64", ("s",), "1", "Frames that were recognised"),
-        Field("sequence_confusion", "int64", ("s", "c", "c"), "clips", "Truth by answer of whole clips"),
-        Field("frame_confusion", "int64", ("s", "c", "c"), "frames", "Truth by answer of single frames"),
-        Field("handfuls", "int64", ("h",), "1", "Frames of a clip, in no order, that were asked about together"),
-        Field("handful_confusion", "int64", ("s", "h", "c", "c"), "1", "Truth by answer of handfuls"),
-        Field("group_frame_accuracy", "float64", ("s", "g"), "1", "Single frames named right by each group alone", domain=WEIGHT),
-        Field("components", "float64", ("s", "c", "g", 3), "1", "Number of behaviours: posterior mean, 5 % and 95 %", domain=WEIGHT),
-        Field("clips", "str", ("n",), "", "Each clip that was recognised, once a split"),
-        Field("clip_split", "int64", ("n",), "1", "Index of its split"),
-        Field("clip_truth", "int64", ("n",), "1", "Index of its class"),
-        Field("clip_answer", "int64", ("n",), "1", "Index of the answer"),
-        Field("clip_posterior", "float64", ("n",), "1", "Posterior of the answer", domain=WEIGHT),
-    ),
-)
-
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (VIEWS, DEPTH, COMPARISON, TUNING, TRIALS, CLOUD, CLIPS, RECOGNITION, EVALUATION)}
+FUSION = (VIEWS, DEPTH, COMPARISON, TUNING, TRIALS, CLOUD)
+MOCAP = (CLIPS, BEHAVIOURS, RECOGNITION, EVALUATION)
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (*FUSION, *MOCAP)}

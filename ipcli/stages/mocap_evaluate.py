@@ -1,0 +1,215 @@
+"""mocap-evaluate: how often a model that learnt from a part of the clips names the others right, for all splits of a protocol."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ipcli.errors import ParameterError
+from ipcli.models.mocap.parameters import Decision, Learning
+from ipcli.params import Run, option
+from ipcli.stages import motions
+from ipcli.stages.checkpoint import Checkpoint
+from ipcli.stages.mocap_train import Lesson, counted, learn, numbered
+from ipcli.stages.motions import Motions, Reading
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ipcli.models.mocap.splits import Split
+    from ipcli.stages.artefact import Outcome
+
+Progress = Callable[[float, str], None]
+SPLITS = {
+    "subjects": "actors",
+    "leave-one-out": "leave-one-actor-out",
+    "one-to-rest": "one-actor",
+    "published": "published",
+    "clips": "random-clips",
+    "frames": "random-frames",
+}
+
+
+@dataclass(frozen=True)
+class Params:
+    """How the clips are parted, and how is learnt and recognised."""
+
+    split: str = option("subjects", "how to part the clips: by subjects, at random by clips or frames, ...", flag="--split", choices=tuple(SPLITS))
+    test: tuple[str, ...] = option((), "people to recognise with --split subjects; none given: every other one", flag="--test")
+    repeats: int = option(1, "random splits by clips or frames, each drawn anew", flag="--repeats", low=1)
+    handfuls: tuple[int, ...] = option((20, 5, 1), "unordered frames of a clip to ask about together", flag="--handfuls", low=1)
+    draws: int = option(3, "handfuls of each size from each clip", low=1)
+    groups: str = option("auto", "groups of joints: auto, the name of shipped ones, or a TOML file", flag="--groups")
+    reading: Reading = field(default_factory=Reading)
+    learning: Learning = field(default_factory=Learning)
+    decision: Decision = field(default_factory=Decision)
+
+
+def run(paths: Sequence[Path], output: Path, params: Params, run: Run, progress: Progress = lambda share, what: None) -> Outcome:
+    """Write what was answered and beside it a page (.html). A run that was killed goes on where its chains were.
+
+    Raises ParameterError for a split that leaves nothing on one side, and what motions.read raises.
+    """
+    from ipcli import provenance
+    from ipcli.params import as_dict
+    from ipcli.stages.artefact import Job, make
+
+    inputs = tuple(paths) + ((Path(params.groups),) if Path(params.groups).is_file() else ())
+    record = provenance.record("mocap-evaluate", as_dict(params), inputs, "evaluation", run.seed)
+    work = Checkpoint.of(output, record["digest"])
+    job = Job(output, "evaluation", "mocap-evaluate", params, inputs, {output.with_suffix(".html"): write_report})
+    outcome = make(job, lambda: evaluation(paths, params, run, work, progress), run)
+    if not run.dry_run:
+        work.clear()
+    return outcome
+
+
+def evaluation(paths: Sequence[Path], params: Params, run: Run, work: Checkpoint, progress: Progress) -> dict[str, np.ndarray]:
+    """The arrays of the `evaluation` artefact."""
+    import numpy as np
+
+    known = motions.read(paths, params.reading, params.groups)
+    names, actions = numbered(known.labels)
+    if len(names) < 2:
+        raise ParameterError(f"{paths[0]}: {len(names)} actions have labels; there is nothing to tell apart. Give clips of at least two")
+    splits = parted(known, params, run.seed)
+    lessons = {split.name: lesson(known, split, names, actions, params, run.seed) for split in splits}
+    points = {f"{split}: {cell}": x for split, one in lessons.items() for cell, x in one.points.items()}
+    fitted = learn(points, params.learning, run, work, progress)
+    tables = []
+    for split in splits:
+        own = {cell: fitted[f"{split.name}: {cell}"] for cell in lessons[split.name].cells}
+        tables.append(asked(known, split, actions, lessons[split.name], own, params, run.seed))
+    found = {key: np.stack([table[key] for table in tables]) for key in tables[0] if not key.startswith("clip_") and key != "clips"}
+    each = {key: np.concatenate([table[key] for table in tables]) for key in tables[0] if key.startswith("clip_") or key == "clips"}
+    return found | each | {
+        "split": np.array(params.split),
+        "splits": np.array([split.name for split in splits], np.str_),
+        "classes": np.array(names, np.str_),
+        "groups": np.array(list(next(iter(lessons.values())).projections), np.str_),
+        "handfuls": np.array(params.handfuls, np.int64),
+        "clip_split": np.repeat(np.arange(len(splits)), [len(table["clips"]) for table in tables]),
+    }
+
+
+def parted(known: Motions, params: Params, seed: int) -> list[Split]:
+    """The splits of the protocol; frames without a label are on neither side."""
+    from dataclasses import replace
+
+    import numpy as np
+
+    from ipcli.models.mocap import splits
+    from ipcli.rng import stream
+
+    labels, clip = known.labels, known.clip
+    frames = splits.Frames(clip, np.array([one.label for one in known.clips], np.str_), known.actors)
+    people = tuple(np.unique(known.actors))
+    test, repeats = params.test or people[1::2], params.repeats if params.split in ("clips", "frames") else 1
+    found = []
+    for number in range(repeats):
+        rng = stream(seed, "mocap-evaluate", f"{params.split} {number}")
+        made = splits.make(SPLITS[params.split], frames, rng, test=test, published=known.splits)
+        found += [replace(split, name=f"{split.name} {number + 1}") if repeats > 1 else split for split in made]
+    return [replace(split, train=split.train & (labels != ""), test=split.test & (labels != "")) for split in found]
+
+
+def lesson(known: Motions, split: Split, names: tuple[str, ...], actions: np.ndarray, params: Params, seed: int) -> Lesson:
+    """What a split learns from; the common skeleton too is that of its people alone."""
+    import numpy as np
+
+    features = motions.features(known, skeleton_of(known, split), params.learning.features)
+    return Lesson.of(features, np.where(split.train, actions, -1), names, params.learning, seed, split.name)
+
+
+def skeleton_of(known: Motions, split: Split) -> np.ndarray:
+    """Bone lengths (j,) of the clips that are learnt from."""
+    import numpy as np
+
+    from ipcli.models.mocap.features import reference_lengths
+
+    return reference_lengths([known.clips[index].motion for index in np.unique(known.clip[split.train])], known.groups)
+
+
+def asked(
+    known: Motions, split: Split, actions: np.ndarray, lesson: Lesson, fitted: Mapping[str, Any], params: Params, seed: int
+) -> dict[str, np.ndarray]:
+    """Right and wrong answers to the test part of one split."""
+    import numpy as np
+
+    from ipcli.models.mocap import recognition
+
+    rows = np.flatnonzero(split.test)
+    features = motions.features(known, skeleton_of(known, split), params.learning.features)
+    model = lesson.model(fitted)
+    density = recognition.log_densities(model, {group: x[rows] for group, x in features.items()})
+    posterior = recognition.frame_posteriors(model, density, params.decision)
+    truth, classes = actions[rows], len(model.actions)
+    seen = np.isfinite(posterior).all(axis=1)
+    by_group = recognition.group_posteriors(density)
+    shape = (classes, len(model.groups), 3)
+    return clips_and_handfuls(known, rows, truth, posterior, params, seed, split.name) | {
+        "train_clips": np.int64(len(np.unique(known.clip[split.train]))),
+        "train_frames": np.int64(split.train.sum()),
+        "test_clips": np.int64(len(np.unique(known.clip[rows]))),
+        "test_frames": np.int64(len(rows)),
+        "frame_confusion": confusion(truth[seen], posterior[seen].argmax(axis=1), classes),
+        "group_frame_accuracy": np.array([group_accuracy(by_group[:, :, g], truth) for g in range(len(model.groups))]),
+        "components": np.array([counted(one) for one in fitted.values()]).reshape(shape),
+    }
+
+
+def clips_and_handfuls(
+    known: Motions, rows: np.ndarray, truth: np.ndarray, posterior: np.ndarray, params: Params, seed: int, split: str
+) -> dict[str, np.ndarray]:
+    """Answers to whole clips and to handfuls of their frames; of a clip of several actions, each action is asked about by itself."""
+    import numpy as np
+
+    from ipcli.models.mocap import recognition
+    from ipcli.rng import stream
+
+    classes = posterior.shape[1]
+    keys, query = np.unique(known.clip[rows] * classes + truth, return_inverse=True)
+    label, surprise = keys % classes, np.zeros(posterior.shape)
+    whole = recognition.answer(posterior, surprise, query, len(keys), params.decision)
+    few = []
+    for size in params.handfuls:
+        table = np.zeros((classes, classes), np.int64)
+        for draw in range(params.draws):
+            chosen = recognition.handfuls(query, size, stream(seed, "mocap-evaluate", f"{split}, {size} frames, {draw}"))
+            told = recognition.answer(posterior[chosen], surprise[chosen], query[chosen], len(keys), params.decision)
+            table += confusion(label, told.posterior.argmax(axis=1), classes)
+        few.append(table)
+    best = whole.posterior.argmax(axis=1)
+    return {
+        "sequence_confusion": confusion(label, best, classes),
+        "handful_confusion": np.array(few, np.int64).reshape(-1, classes, classes),
+        "clips": np.array([known.clips[index].name for index in keys // classes], np.str_),
+        "clip_truth": label,
+        "clip_answer": best,
+        "clip_posterior": whole.posterior.max(axis=1),
+    }
+
+
+def confusion(truth: np.ndarray, answer: np.ndarray, classes: int) -> np.ndarray:
+    """How often each answer was given to each truth, (c, c) int64."""
+    import numpy as np
+
+    return np.bincount(truth * classes + answer, minlength=classes**2).reshape(classes, classes)
+
+
+def group_accuracy(posterior: np.ndarray, truth: np.ndarray) -> float:
+    """Share of the frames (f, c) that show a group whole and that it names right by itself; 0 if none does."""
+    import numpy as np
+
+    seen = np.isfinite(posterior).all(axis=1)
+    return float((posterior[seen].argmax(axis=1) == truth[seen]).mean()) if seen.any() else 0.0
+
+
+def write_report(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """The page to look at."""
+    from ipcli.io import atomic
+    from ipcli.report import mocap_evaluate
+
+    atomic.write_text(path, mocap_evaluate.page(arrays, provenance))
