@@ -14,9 +14,10 @@ DAY = 86400.0  # seconds
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, *, durable: bool = True) -> Iterator[Path]:
     """A private name in the folder of `path` (made if need be); what is written there replaces `path` at the end.
 
+    Unless `durable` the disk is not waited for: a kill still does no harm, but after a power cut the file may be damaged.
     After an exception the temporary file is gone and `path` is as it was; after a kill `sweep` finds the orphan.
     """
     path = Path(path)
@@ -24,9 +25,11 @@ def replacing(path: Path) -> Iterator[Path]:
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         yield temporary
-        _flush(temporary)
+        if durable:
+            _flush(temporary)
         os.replace(temporary, path)
-        _flush(path.parent)
+        if durable:
+            _flush(path.parent)
     finally:
         with suppress(FileNotFoundError):
             temporary.unlink()

@@ -13,15 +13,15 @@ from ipcli.errors import FormatError, IpcliError
 from ipcli.io import atomic
 
 
-def write(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
-    """Write atomically. IpcliError for an array that is not numeric.
+def write(path: Path, arrays: Mapping[str, np.ndarray], *, durable: bool = True) -> None:
+    """Write atomically, `durable` as in atomic.replacing. IpcliError for an array that is not numeric.
 
     numpy.savez is not used: it takes no array named `file` and stops half-way through at an object.
     """
     for name, array in arrays.items():
         if np.asarray(array).dtype.kind not in "biufc":
             raise IpcliError(f"{path}: {name} is of dtype {np.asarray(array).dtype}; NPZ holds numbers only")
-    with atomic.replacing(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+    with atomic.replacing(path, durable=durable) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         for name in sorted(arrays):
             with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as stream:
                 np.lib.format.write_array(stream, np.asarray(arrays[name]), allow_pickle=False)

@@ -24,7 +24,7 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     actions, groups = arrays["actions"], arrays["groups"]
     doubtful = int((arrays["r_hat"] > TRUSTED).sum())
     cells = len(actions) * len(groups)
-    text = f"the chains of {doubtful} of {cells} mixtures have not come to agree (R-hat above {TRUSTED}). More sweeps may help: --sweeps"
+    text = f"the chains of {doubtful} of {cells} mixtures have not come to agree (R-hat above {TRUSTED}). The recognition averages over what they found; for the number of behaviours give more sweeps, --set learning.mixture.sweeps=1000"
     return document(
         f"Behaviours of {len(actions)} actions in {len(groups)} groups",
         "ipcli mocap-train",
@@ -72,7 +72,7 @@ def _action(arrays: Mapping[str, np.ndarray], action: int, box: tuple[np.ndarray
 def _behaviour(arrays: Mapping[str, np.ndarray], index: int, rank: int, group: int, box: tuple[np.ndarray, np.ndarray]) -> Markup:
     poses = [pose for pose in arrays["behaviour_poses"][index] if np.isfinite(pose).any()]
     share = percent(float(arrays["behaviour_share"][index]))
-    picked = np.zeros(len(arrays["parents"]), bool)
+    picked = np.full(len(arrays["parents"]), str(arrays["groups"][group]) == "body")
     picked[arrays["group_members"][arrays["group_members"][:, 0] == group, 1]] = True
     return pose_figure(poses, arrays["parents"], picked, f"{rank}", share, box=box)
 

@@ -51,7 +51,7 @@ BEHAVIOURS = Kind(
         Field("top", "str", (), "", "Joint that the height is measured from"),
         Field("bottom", "str", ("b",), "", "Joints that the height is measured to"),
         Field("up", "float64", (3,), "1", "Axis of the world that points up", domain=FINITE),
-        Field("surprise", "float64", ("q",), "1", "How unlike all that was learnt each clip was, ascending", domain=FINITE),
+        Field("surprise", "float64", ("q",), "1", "How strange each clip looked to a model of other people, ascending", domain=FINITE),
         Field("preferences", "float64", ("a", "g"), "1", "W of (5.12)", domain=FINITE),
         Field("frames", "int64", ("a",), "1", "Frames of each action that there were"),
         Field("clips", "int64", ("a",), "1", "Clips of each action that there were"),

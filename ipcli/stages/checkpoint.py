@@ -39,7 +39,7 @@ class Checkpoint:
         """Keep numeric arrays for this item in place of those before, whole or not at all."""
         from ipcli.io import npz
 
-        npz.write(self._path(name), arrays)
+        npz.write(self._path(name), arrays, durable=False)  # what a power cut damages is found out when it is loaded
 
     def clear(self) -> None:
         """Forget all items, when the output is there."""

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], None]
 SHOWN = 4  # poses of a behaviour: the most typical, and others
 POINTS = "points"
+REHEARSAL = 4  # a rehearsal takes one in so many of the frames
 
 
 @dataclass(frozen=True)
@@ -67,14 +68,19 @@ def model_artefact(paths: Sequence[Path], params: Params, run: Run, work: Checkp
     known = chosen(motions.read(paths, params.reading, params.groups), params)
     lengths = reference_lengths([clip.motion for clip in known.clips], known.groups)
     names, actions = numbered(known.labels)
-    lesson = Lesson.of(motions.features(known, lengths, params.learning.features), actions, names, params.learning, run.seed)
-    fitted = learn(lesson.points, params.learning, run, work, progress)
+    features = motions.features(known, lengths, params.learning.features)
+    lesson = Lesson.of(features, actions, names, params.learning, run.seed)
+    trials = rehearsals(known, features, actions, params, run.seed)
+    points = {f"{trial}{cell}": x for trial, one in {"": lesson, **trials}.items() for cell, x in one.points.items()}
+    found = learn(points, params.learning, run, work, progress)
+    fitted = {cell: found[cell] for cell in lesson.cells}
     model = lesson.model(fitted)
+    tried = {trial: one.model({cell: found[f"{trial}{cell}"] for cell in one.cells}) for trial, one in trials.items()}
     progress(1.0, "writing")
     return (
         behaviours.arrays(model)
         | body(known, lengths, model.groups)
-        | {"surprise": clip_surprises(model, known, lengths, actions, params), **_counts(known, actions, names)}
+        | {"surprise": held_out_surprises(tried, known, features, actions, params), **_counts(known, actions, names)}
         | {"preferences": recognition.preference(model, params.decision)}
         | diagnosed(lesson, fitted)
         | drawn(lesson, fitted, motions.poses(known, lengths))
@@ -135,6 +141,10 @@ class Lesson:
         from ipcli.models.mocap import behaviours
         from ipcli.rng import stream
 
+        for action, name in enumerate(names):
+            if (count := int((actions == action).sum())) < behaviours.LEAST_FRAMES:
+                least = behaviours.LEAST_FRAMES
+                raise ParameterError(f"action '{name}' has {count} frame{'s' * (count != 1)} to learn from: give at least {least}, or leave it out")
         rows = behaviours.draw_frames(actions, len(names), settings, stream(seed, "mocap-train", f"frames{split}"))
         features = {group: x[rows] for group, x in behaviours.with_body(features, settings.features.body).items()}
         projections = behaviours.fit_projections(features, actions[rows], settings)
@@ -224,18 +234,56 @@ def groups_of(arrays: Mapping[str, np.ndarray], source: str) -> Groups:
     return Groups(kept, **single, **lists, up=tuple(map(float, arrays["up"])), source=source)
 
 
-def clip_surprises(model: Model, known: Motions, lengths: np.ndarray, actions: np.ndarray, params: Params) -> np.ndarray:
-    """How unlike what was learnt each labelled clip is, by which later clips are told to be none of the actions."""
+def rehearsals(
+    known: Motions, features: Mapping[str, np.ndarray], actions: np.ndarray, params: Params, seed: int
+) -> dict[str, Lesson]:
+    """Lessons from one half of the people each, or of the clips of a single one, to see how strange the other half looks.
+
+    They take a part of the frames only. An action that one half does not show cannot be judged from it.
+    """
+    from dataclasses import replace
+
+    import numpy as np
+
+    settings = replace(params.learning, frames=max(params.learning.frames // REHEARSAL, 2))
+    found = {}
+    for number, half in enumerate(halves(known)):
+        learnt = np.where(half[known.clip], actions, -1)
+        shown = [action for action in range(int(actions.max()) + 1) if (learnt == action).sum() > 1]
+        if shown:
+            names = tuple(numbered(known.labels)[0][action] for action in shown)
+            own = np.full(len(learnt), -1)
+            for index, action in enumerate(shown):
+                own[learnt == action] = index
+            found[f"half {number + 1}: "] = Lesson.of(features, own, names, settings, seed, f"half {number + 1}")
+    return found
+
+
+def halves(known: Motions) -> list[np.ndarray]:
+    """Every other person (c,) bool and the others; every other clip of a single person."""
+    import numpy as np
+
+    people = np.unique(known.actors)
+    first = np.isin(known.actors, people[::2]) if len(people) > 1 else np.arange(len(known.clips)) % 2 == 0
+    return [first, ~first] if len(known.clips) > 1 else []
+
+
+def held_out_surprises(
+    tried: Mapping[str, Model], known: Motions, features: Mapping[str, np.ndarray], actions: np.ndarray, params: Params
+) -> np.ndarray:
+    """How strange each labelled clip looks to a model of the other half, ascending; later clips stranger than those are no action."""
     import numpy as np
 
     from ipcli.models.mocap import recognition
 
-    found = recognition.log_densities(model, motions.features(known, lengths, params.learning.features))
-    posterior = recognition.frame_posteriors(model, found, params.decision)
-    surprise = recognition.surprises(model, found, params.decision)
-    labelled = actions >= 0
-    told = recognition.answer(posterior[labelled], surprise[labelled], known.clip[labelled], len(known.clips), params.decision)
-    return np.sort(told.surprise[np.isfinite(told.surprise)])
+    told, sides = [], dict(zip(("half 1: ", "half 2: "), halves(known), strict=False))
+    for trial, model in tried.items():
+        rows = np.flatnonzero(~sides[trial][known.clip] & (actions >= 0) & np.isin(known.labels, model.actions))
+        density = recognition.log_densities(model, {group: x[rows] for group, x in features.items()})
+        posterior, surprise = (f(model, density, params.decision) for f in (recognition.frame_posteriors, recognition.surprises))
+        told.append(recognition.answer(posterior, surprise, known.clip[rows], len(known.clips), params.decision).surprise)
+    every = np.concatenate(told) if told else np.empty(0)
+    return np.sort(every[np.isfinite(every)])
 
 
 def _counts(known: Motions, actions: np.ndarray, names: tuple[str, ...]) -> dict[str, np.ndarray]:

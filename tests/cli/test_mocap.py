@@ -1,0 +1,205 @@
+"""The mocap commands from the command line: what they name, and one line for whatever goes wrong."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ipcli import schema
+from ipcli.cli.main import main, mocap_classify, mocap_train
+from ipcli.geometry.skeleton import Clip, Motion, Skeleton
+from ipcli.io import h5
+from tests.mocap_bodies import ACTIONS
+from tests.mocap_clips import QUICK, clip, every, take, write, write_groups
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A folder with clips, groups, and a model of all but one person."""
+    folder = tmp_path_factory.mktemp("mocap")
+    write(folder / "all.clips.h5", every())
+    write_groups(folder / "groups.toml")
+    assert mocap_train([str(folder / "all.clips.h5"), *model_options(folder)]) == 0
+    return folder
+
+
+def model_options(folder, name="model.h5"):
+    return ["-o", str(folder / name), "--groups", str(folder / "groups.toml"), "--actors", "ann,bob,cyd", *QUICK]
+
+
+@pytest.fixture
+def tell(place, tmp_path, capsys):
+    """Run a command on paths; the exit code, stdout and stderr."""
+
+    def run(command, *arguments, output="x.h5"):
+        code = main([command, *map(str, arguments), "-o", str(tmp_path / "out" / output)])
+        return code, *capsys.readouterr()
+
+    return run
+
+
+def fails(told, code, *messages):
+    assert told[0] == code and told[1] == ""
+    assert told[2].count("\n") == 1 and told[2].startswith("Error: ")
+    for message in messages:
+        assert message in told[2]
+
+
+def test_the_model_is_sound_and_a_page_stands_beside_it(place):
+    found = h5.read(place / "model.h5", "behaviours").arrays
+    schema.validate(schema.kind("behaviours"), found)
+    assert list(found["actions"]) == sorted(ACTIONS) and list(found["actors"]) == ["ann", "bob", "cyd"]
+    assert list(found["frames"]) == [144] * 3 and list(found["clips"]) == [6] * 3
+    assert found["behaviour_poses"].shape[1:] == (4, 16, 3)
+    shares = np.zeros((3, len(found["groups"])))
+    np.add.at(shares, (found["behaviour_action"], found["behaviour_group"]), found["behaviour_share"])
+    np.testing.assert_allclose(shares, 1)
+    assert "body" in found["groups"] and (place / "model.html").read_text().startswith("<!doctype html>")
+    assert not [path for path in place.iterdir() if path.name.startswith(".")]
+
+
+def test_training_again_is_up_to_date_and_any_executor_gives_the_same_bytes(place, tmp_path, capsys):
+    assert main(["mocap-train", str(place / "all.clips.h5"), *model_options(place)]) == 0
+    assert "up to date" in capsys.readouterr().err
+    assert main(["mocap-train", str(place / "all.clips.h5"), *model_options(place)[2:], "-o", str(tmp_path / "m.h5"), "--executor", "processes:2"]) == 0
+    assert (tmp_path / "m.h5").read_bytes() == (place / "model.h5").read_bytes()
+    assert (tmp_path / "m.html").read_bytes() == (place / "model.html").read_bytes()
+
+
+def test_a_person_never_seen_is_named_right_whole_and_by_a_handful(place, tell, tmp_path):
+    asked = write(tmp_path / "dan.clips.h5", [one for one in every() if one.actor == "dan"])
+    code, out, _ = tell("mocap-classify", place / "model.h5", asked, "--json")
+    told = json.loads(out)
+    assert code == 0 and all(answer["clip"].startswith(answer["answer"]) for answer in told["answers"])
+    code, out, _ = tell("mocap-classify", place / "model.h5", asked, "--json", "--unordered", "5", "--handfuls", "3", output="few.h5")
+    told = json.loads(out)["answers"]
+    assert len(told) == 18 and {answer["frames"] for answer in told} == {5}
+    assert np.mean([answer["clip"].startswith(answer["answer"]) for answer in told]) > 0.9
+    rows = list(csv.DictReader((tmp_path / "out" / "x.csv").open()))
+    assert len(rows) == 6 and all(row["clip"].startswith(row["action"]) for row in rows)
+    assert (tmp_path / "out" / "x.html").is_file()
+
+
+def test_a_long_take_is_parted_where_its_actions_change(place, tell, tmp_path):
+    asked = write(tmp_path / "take.clips.h5", [take()])
+    assert tell("mocap-classify", place / "model.h5", asked, "--window", "0.5", "--step", "0.1")[0] == 0
+    rows = list(csv.DictReader((tmp_path / "out" / "x.csv").open()))
+    assert [row["action"] for row in rows] == list(ACTIONS)
+    ends = [float(row["end_s"]) for row in rows]
+    np.testing.assert_allclose(ends, [1.5, 3.0, 4.5], atol=0.3)
+    assert [row["start_s"] for row in rows[1:]] == [row["end_s"] for row in rows[:-1]] and float(rows[0]["start_s"]) == 0
+    found = h5.read(tmp_path / "out" / "x.h5", "recognition").arrays
+    np.testing.assert_allclose(found["truth_segment_time"], [[0, 1.5], [1.5, 3], [3, 4.5]])
+
+
+def test_what_was_never_learnt_is_none_unless_it_must_be_something(place, tell, tmp_path):
+    odd = clip("wave", 0)
+    rng = np.random.default_rng(0)
+    motion = Motion(odd.motion.skeleton, odd.motion.positions + rng.normal(0, 0.7, odd.motion.positions.shape), 30.0)
+    asked = write(tmp_path / "odd.clips.h5", [Clip("odd", motion, "", "ann")])
+    answer = json.loads(tell("mocap-classify", place / "model.h5", asked, "--json")[1])["answers"][0]
+    assert answer["answer"] == "none"
+    forced = json.loads(tell("mocap-classify", place / "model.h5", asked, "--json", "--no-none", output="y.h5")[1])["answers"][0]
+    assert forced["answer"] in ACTIONS and forced["surprise"] == answer["surprise"]
+
+
+def test_the_order_of_frames_and_missing_ones_change_nothing_or_little(place, tell, tmp_path):
+    whole = clip("kick", 3)
+    shuffled = replace(whole.motion, positions=whole.motion.positions[::-1].copy(), rotations=whole.motion.rotations[::-1].copy())
+    torn = whole.motion.positions.copy()
+    torn[::2, 5] = np.nan
+    torn[1::5] = np.nan
+    clips = [whole, replace(whole, name="back", motion=shuffled), replace(whole, name="torn", motion=replace(whole.motion, positions=torn))]
+    answers = json.loads(tell("mocap-classify", place / "model.h5", write(tmp_path / "c.clips.h5", clips), "--json")[1])["answers"]
+    assert [answer["answer"] for answer in answers] == ["kick"] * 3
+    assert answers[0]["surprise"] == pytest.approx(answers[1]["surprise"])
+    assert answers[2]["frames"] < answers[0]["frames"]
+
+
+@pytest.mark.parametrize(
+    "split, splits, more",
+    [
+        ("subjects", 1, ["--test", "dan,ann"]),
+        ("leave-one-out", 4, []),
+        ("one-to-rest", 4, []),
+        ("published", 2, []),
+        ("clips", 2, ["--repeats", "2"]),
+        ("frames", 1, []),
+    ],
+)
+def test_every_protocol_is_evaluated(place, tell, tmp_path, split, splits, more):
+    options = ["--groups", place / "groups.toml", "--split", split, *more, *QUICK]
+    assert tell("mocap-evaluate", place / "all.clips.h5", *options)[0] == 0
+    found = h5.read(tmp_path / "out" / "x.h5", "evaluation").arrays
+    assert len(found["splits"]) == splits and list(found["handfuls"]) == [20, 5, 1]
+    frames, clips = found["frame_confusion"], found["sequence_confusion"]
+    assert (frames.sum(axis=(1, 2)) == found["test_frames"]).all() and (clips.sum(axis=(1, 2)) == found["test_clips"]).all()
+    assert np.trace(clips.sum(axis=0)) > 0.9 * clips.sum() and np.trace(frames.sum(axis=0)) > 0.8 * frames.sum()
+    if split == "frames":
+        assert found["train_frames"] + found["test_frames"] == 576
+    else:
+        assert (found["train_clips"] + found["test_clips"] == 24).all()
+    assert (tmp_path / "out" / "x.html").is_file()
+
+
+def renamed(motion, name="spine"):
+    joints = tuple(name if joint == "chest" else joint for joint in motion.skeleton.joints)
+    return replace(motion, skeleton=Skeleton(joints, motion.skeleton.parents))
+
+
+def test_a_model_of_another_skeleton_is_refused(place, tell, tmp_path):
+    other = clip("kick", 0)
+    asked = write(tmp_path / "other.clips.h5", [replace(other, motion=renamed(other.motion))])
+    fails(tell("mocap-classify", place / "model.h5", asked), 1, "other.clips.h5", "another skeleton", "no joint 'chest'")
+
+
+def test_a_file_that_is_no_model_or_no_clips_is_refused(place, tell):
+    fails(tell("mocap-classify", place / "all.clips.h5", place / "all.clips.h5"), 1, "all.clips.h5", "expected behaviours, got clips")
+    fails(tell("mocap-train", place / "model.h5"), 1, "model.h5", "expected clips, got behaviours")
+    fails(tell("mocap-train", place / "nothing.h5"), 1, "nothing.h5", "cannot be read")
+
+
+def test_clips_without_labels_teach_nothing(place, tell, tmp_path):
+    bare = write(tmp_path / "bare.clips.h5", [replace(one, label="") for one in every(repeats=1)])
+    fails(tell("mocap-train", bare, "--groups", place / "groups.toml"), 2, "none of the clips has a label", "--manifest")
+
+
+def test_an_action_of_one_frame_is_named(place, tell, tmp_path):
+    clips = [*every(repeats=1), replace(clip("bow", 0, frames=1), name="tiny", label="nod")]
+    told = tell("mocap-train", write(tmp_path / "tiny.clips.h5", clips), "--groups", place / "groups.toml", *QUICK)
+    fails(told, 2, "nod", "1 frame")
+
+
+@pytest.mark.parametrize(
+    "arguments, messages",
+    [
+        (["--actors", "anne"], ["no actor 'anne'", "'ann'"]),
+        (["--actions", "wawe"], ["no action 'wawe'", "'wave'"]),
+        (["--groups", "acclaims"], ["no groups 'acclaims'", "acclaim"]),
+        (["--features", "printed"], ["features", "printed"]),
+        (["--groups", "auto"], ["no groups of joints fit this skeleton", "--groups"]),
+        (["--groups", "acclaim"], ["acclaim", "no joint"]),
+    ],
+)
+def test_wrong_usage_is_exit_2_and_names_what_was_meant(place, tell, arguments, messages):
+    usual = [] if "--groups" in arguments else ["--groups", place / "groups.toml"]
+    fails(tell("mocap-train", place / "all.clips.h5", *usual, *arguments, *QUICK), 2, *messages)
+
+
+def test_a_window_and_a_handful_exclude_each_other(place, tell):
+    told = tell("mocap-classify", place / "model.h5", place / "all.clips.h5", "--window", "1", "--unordered", "5")
+    fails(told, 2, "--window", "--unordered")
+
+
+def test_a_split_that_leaves_nothing_to_learn_is_named(place, tell, tmp_path):
+    alone = write(tmp_path / "alone.clips.h5", [one for one in every() if one.actor == "ann"])
+    fails(tell("mocap-evaluate", alone, "--groups", place / "groups.toml", "--split", "leave-one-out"), 2, "nothing to train on")
+
+
+def test_the_console_script_is_the_same_command(place, tmp_path, capsys):
+    assert mocap_classify([str(place / "model.h5"), str(place / "all.clips.h5"), "-o", str(tmp_path / "x.h5"), "-n"]) == 0
+    assert "run, since it does not exist" in capsys.readouterr().err and not list(tmp_path.iterdir())
