@@ -86,7 +86,7 @@ def test_a_person_never_seen_is_named_right_whole_and_by_a_handful(place, tell, 
 
 def test_a_long_take_is_parted_where_its_actions_change(place, tell, tmp_path):
     asked = write(tmp_path / "take.clips.h5", [take()])
-    assert tell("mocap-classify", place / "model.h5", asked, "--window", "0.5", "--step", "0.1")[0] == 0
+    assert tell("mocap-classify", place / "model.h5", asked, "--window", "0.5", "--step", "0.1", "--no-none")[0] == 0
     rows = list(csv.DictReader((tmp_path / "out" / "x.csv").open()))
     assert [row["action"] for row in rows] == list(ACTIONS)
     ends = [float(row["end_s"]) for row in rows]

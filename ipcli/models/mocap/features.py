@@ -6,7 +6,7 @@ origin at the root and faces where the body faces, on a common skeleton of heigh
 
 The printed features do not carry over to other people. The twist in the group's own mean frame does not see any motion of the whole
 group (a straight arm raised is a straight arm lowered); the bones' lengths tell who it is; and seven numbers that a unit vector of
-R^6 determines have a singular covariance. What each step repairs is measured in docs/mocap.md.
+R^6 determines have a singular covariance. What each step repairs is measured in docs/mocap-train.md.
 """
 
 from __future__ import annotations
