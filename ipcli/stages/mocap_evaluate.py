@@ -12,7 +12,7 @@ from ipcli.models.mocap.parameters import Decision, Learning
 from ipcli.params import Run, option
 from ipcli.stages import motions
 from ipcli.stages.checkpoint import Checkpoint
-from ipcli.stages.mocap_train import Lesson, counted, learn, numbered
+from ipcli.stages.mocap_train import Lesson, chosen, counted, learn, numbered
 from ipcli.stages.motions import Motions, Reading
 
 if TYPE_CHECKING:
@@ -38,6 +38,9 @@ class Params:
 
     split: str = option("subjects", "how to part the clips: by subjects, at random by clips or frames, ...", flag="--split", choices=tuple(SPLITS))
     test: tuple[str, ...] = option((), "people to recognise with --split subjects; none given: every other one", flag="--test")
+    only: tuple[str, ...] = option((), "of the published splits, only these, with commas; none given: all", flag="--only")
+    actors: tuple[str, ...] = option((), "take clips of these people only, with commas; none given: of all", flag="--actors")
+    actions: tuple[str, ...] = option((), "take these actions only, with commas; none given: all", flag="--actions")
     repeats: int = option(1, "random splits by clips or frames, each drawn anew", flag="--repeats", low=1)
     handfuls: tuple[int, ...] = option((20, 5, 1), "unordered frames of a clip to ask about together", flag="--handfuls", low=1)
     draws: int = option(3, "handfuls of each size from each clip", low=1)
@@ -70,7 +73,7 @@ def evaluation(paths: Sequence[Path], params: Params, run: Run, work: Checkpoint
     """The arrays of the `evaluation` artefact."""
     import numpy as np
 
-    known = motions.read(paths, params.reading, params.groups)
+    known = chosen(motions.read(paths, params.reading, params.groups), params)
     names, actions = numbered(known.labels)
     if len(names) < 2:
         raise ParameterError(f"{paths[0]}: {len(names)} actions have labels; there is nothing to tell apart. Give clips of at least two")
@@ -110,9 +113,18 @@ def parted(known: Motions, params: Params, seed: int) -> list[Split]:
     found = []
     for number in range(repeats):
         rng = stream(seed, "mocap-evaluate", f"{params.split} {number}")
-        made = splits.make(SPLITS[params.split], frames, rng, test=test, published=known.splits)
+        made = splits.make(SPLITS[params.split], frames, rng, test=test, published=published(known.splits, params.only))
         found += [replace(split, name=f"{split.name} {number + 1}") if repeats > 1 else split for split in made]
     return [replace(split, train=split.train & (labels != ""), test=split.test & (labels != "")) for split in found]
+
+
+def published(splits: Mapping[str, np.ndarray], only: Sequence[str]) -> dict[str, np.ndarray]:
+    """Those named, or all if none is."""
+    from ipcli.geometry.cameras import position
+
+    names = tuple(splits)
+    wanted = [names[position(names, name, "published split")] for name in only] or names
+    return {name: splits[name] for name in wanted}
 
 
 def lesson(known: Motions, split: Split, names: tuple[str, ...], actions: np.ndarray, params: Params, seed: int) -> Lesson:

@@ -98,8 +98,9 @@ def chosen(known: Motions, params: Params) -> Motions:
     actions = {labels[position(labels, name, "action")] for name in params.actions} or {*labels}
     if not actions:
         raise ParameterError("none of the clips has a label to learn. Name them by a manifest (ipcli import-clips --manifest) or by folders")
-    clips = tuple(_only(clip, actions) for clip in known.clips if clip.actor in actors)
-    return replace(known, clips=clips)
+    kept = [number for number, clip in enumerate(known.clips) if clip.actor in actors]
+    splits = {name: entries[kept] for name, entries in known.splits.items()}
+    return replace(known, clips=tuple(_only(known.clips[number], actions) for number in kept), splits=splits)
 
 
 def _only(clip: Any, actions: set[str]) -> Any:
