@@ -35,9 +35,10 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
 
 
 SPARSIFICATION = (
-    "Mean error of the most confident pixels, in mean errors of all: the lower, the better the confidence knows where the map errs. "
-    "Dashed: the best order there is. The area between the two is the AUSE of the table."
+    "Mean error of the pixels kept when the least trusted are dropped, in mean errors of all: the lower, the better it is known where the map "
+    "errs. Dashed: the best order there is. The area between a curve and that one is the AUSE of the table."
 )
+ORDERS = {"kept_error_uncertainty": "by uncertainty", "kept_error": "by confidence", "kept_error_angle": "by angle of view"}
 
 
 def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
@@ -107,7 +108,7 @@ def sparsification(arrays: Mapping[str, np.ndarray]) -> Markup:
 
 def _sparsification(name: str, arrays: Mapping[str, np.ndarray], row: int, shares: np.ndarray) -> Markup:
     lines = [
-        curves.Series("by confidence", shares, arrays["kept_error"][row]),
+        *(curves.Series(order, shares, arrays[field][row]) for field, order in ORDERS.items() if field in arrays),
         curves.Series("best order", shares, arrays["least_error"][row], dashed=True),
     ]
     return curves.plot(lines, name, "share of pixels kept, %", "error, mean errors", from_zero=True, width=400, height=260)

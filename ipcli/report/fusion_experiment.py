@@ -168,7 +168,8 @@ def methods_section(e: Experiment) -> Markup:
     kind = "Arithmetic" if e.arithmetic else "Geometric (of percentages: arithmetic)"
     lead = (
         f"{kind} means over {scenes}. centred RMSE, Z-MAE, N-MAE, Z-avg, out-3 and D-avg are the thesis' measures; RMSE and MAE are plain. "
-        "AUSE: how far the order of the confidence is from the best one, 0 the best. Bold: the best of a column."
+        "AUSE: how far the order of the pixels by confidence, uncertainty or angle of view is from that by their errors, 0 the best. "
+        "Bold: the best of a column."
     )
     tuned = [f"{method}{TUNED}" for method in e.methods if f"{method}{TUNED}" in map(str, e.table["methods"])]
     parts = [methods_table(e, e.methods)]
@@ -245,20 +246,20 @@ def sweep_sections(e: Experiment) -> Iterator[Markup]:
 
 
 def confidence_chart(e: Experiment) -> Chart | None:
-    """Sparsification curves of the methods whose maps were kept, averaged over the scenes."""
+    """Sparsification curves by the uncertainty of the methods whose maps were kept, averaged over the scenes."""
     if not e.scenes:
         return None
     first = next(iter(e.scenes.values()))
     lines = []
     for row, (name, rule) in enumerate(zip(first["methods"], first["rules"], strict=True)):
         if str(rule) == "automatic" and str(name) in map(str, first["maps"]) and len(lines) < SHOWN - 1:
-            kept = np.mean([scene["kept_error"][row] for scene in e.scenes.values()], axis=0)
+            kept = np.mean([scene.get("kept_error_uncertainty", scene["kept_error"])[row] for scene in e.scenes.values()], axis=0)
             lines.append(Series(str(name), np.linspace(100 / kept.size, 100, kept.size), kept))
             least = np.mean([scene["least_error"][row] for scene in e.scenes.values()], axis=0)
     if not lines:
         return None
     lines.append(Series("best order", lines[-1].x, least, dashed=True))
-    return Chart("Sparsification", "share of pixels kept, %", "error, mean errors", tuple(lines))
+    return Chart("Sparsification by uncertainty", "share of pixels kept, %", "error, mean errors", tuple(lines))
 
 
 def confidence_section(e: Experiment) -> Markup | str:

@@ -222,6 +222,8 @@ TRIALS = Kind(
         Field("columns", "str", ("c",), "", "Measure and unit of each column"),
         Field("values", "float64", ("m", "c"), "", "Measures; NaN undefined"),
         Field("kept_error", "float64", ("m", "k"), "mean error", "Mean error of the k/K most confident pixels; NaN without confidence"),
+        Field("kept_error_uncertainty", "float64", ("m", "k"), "mean error", "The same by `uncertainty` of fuse-depth", optional=True),
+        Field("kept_error_angle", "float64", ("m", "k"), "mean error", "The same by the angle of view (4.35)", optional=True),
         Field("least_error", "float64", ("m", "k"), "mean error", "The same of the pixels that err least"),
         Field("maps", "str", ("n",), "", "Method of each map kept, at the automatic lambda"),
         Field("depth", "float32", ("n", "h", "w"), "unit", "Fused depth; NaN where nothing was observed", domain=DISTANCE),

@@ -9,15 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 from ipcli.errors import ParameterError
 from ipcli.params import Run, option
-from ipcli.stages.scenes import Scene, Trials, Variant, observed_depth, open_scene, parse
+from ipcli.stages.scenes import Judged, Scene, Trials, Variant, open_scene, parse
 from ipcli.stages.tune_fusion import best_lambdas
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from ipcli.geometry.cameras import View
     from ipcli.stages.artefact import Outcome
 
 POINTS = 40  # of a sparsification curve
+AREAS = ("AUSE confidence", "AUSE uncertainty", "AUSE angle")
+CURVES = ("kept_error", "kept_error_uncertainty", "kept_error_angle", "least_error")  # the order of pixels that each goes by: those of AREAS, the best
 GIVEN = ("reference", "mean", "median")  # what a fusion starts from: no lambda, and the same for every method
 
 
@@ -37,8 +40,7 @@ class Row:
     label: str
     rule: str  # "none", "automatic" or "tuned"
     lam: float  # NaN for none
-    depth: np.ndarray  # (h, w), NaN where nothing was observed
-    confidence: np.ndarray | None
+    found: Judged
 
 
 def run(
@@ -67,20 +69,19 @@ def trials(
     import numpy as np
 
     rows = fused_rows(scene, params, lambdas, progress)
-    columns, values = scene.errors({f"{row.label} {row.rule}": row.depth for row in rows})
-    judged = [sparsified(row, rows, scene.reference.truth) for row in rows]
+    columns, values = scene.errors({f"{row.label} {row.rule}": row.found for row in rows})
+    judged = [sparsified(row, rows, scene.reference) for row in rows]
     kept = [row for row in rows if row.rule != "tuned" and row.label in kept_labels(params)]
     return {
         "methods": np.array([row.label for row in rows]),
         "rules": np.array([row.rule for row in rows]),
         "lambdas": np.array([row.lam for row in rows]),
-        "columns": np.array([*columns, "AUSE"]),
-        "values": np.column_stack([values, [area for area, _, _ in judged]]),
-        "kept_error": np.stack([error for _, error, _ in judged]),
-        "least_error": np.stack([error for _, _, error in judged]),
+        "columns": np.array([*columns, *AREAS]),
+        "values": np.column_stack([values, np.array([areas for areas, _ in judged])]),
+        **dict(zip(CURVES, np.stack([curves for _, curves in judged], axis=1), strict=True)),
         "maps": np.array([row.label for row in kept]),
-        "depth": np.stack([row.depth for row in kept]),
-        "confidence": np.stack([no_confidence(row.depth) if row.confidence is None else row.confidence for row in kept]),
+        "depth": np.stack([row.found.depth for row in kept]),
+        "confidence": np.stack([row.found.confidence_or_none for row in kept]),
         "truth": scene.reference.truth,
         "intrinsics": scene.reference.intrinsics,
         "unit": np.array(scene.unit),
@@ -98,9 +99,9 @@ def fused_rows(scene: Scene, params: Params, lambdas: Mapping[str, float], progr
     for done, (variant, rule, lam) in enumerate(tasks or [(Variant("median", None), "none", None)], start=1):
         fused = scene.fuse(variant, params.fusion, lam)
         if not rows:
-            rows += [Row(name, "none", float("nan"), depth, None) for name, depth in given(scene, fused).items()]
+            rows += [Row(name, "none", float("nan"), Judged(depth)) for name, depth in given(scene, fused).items()]
         if rule != "none":
-            rows.append(Row(variant.label, rule, float(fused.lam), observed_depth(fused), fused.confidence))
+            rows.append(Row(variant.label, rule, float(fused.lam), Judged.of(fused)))
         progress(done / max(len(tasks), 1), variant.label)
     return rows
 
@@ -115,22 +116,25 @@ def kept_labels(params: Params) -> set[str]:
     return {*GIVEN, *(variant.label for text in params.keep for variant in parse(text))}
 
 
-def sparsified(row: Row, rows: list[Row], truth: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-    """AUSE of a row's confidence, and the mean error of its most confident pixels and of its best ones (k,), in mean errors.
+def sparsified(row: Row, rows: list[Row], reference: View) -> tuple[list[float], np.ndarray]:
+    """AREAS of a row, and its CURVES (4, k): mean error of the pixels kept, in mean errors. NaN without confidence.
 
-    NaN without confidence. On the pixels that all rows have, as the other measures.
+    On the pixels that all rows have, as the other measures.
     """
     import numpy as np
 
+    from ipcli.models.fusion.confidence import view_angle
     from ipcli.models.fusion.metrics import ause
     from ipcli.report.accuracy import sparsification
 
-    if row.confidence is None:
-        return float("nan"), np.full(POINTS, np.nan), np.full(POINTS, np.nan)
-    common = np.isfinite(truth) & np.isfinite([other.depth for other in rows]).all(axis=0)
-    error, confidence = np.abs(row.depth - truth)[common].astype(np.float64), row.confidence[common]
-    curves = [np.interp(shares(), *sparsification(error, key, POINTS)) / error.mean() for key in (-confidence, error)]
-    return ause(confidence, error), *curves
+    found = row.found
+    if found.confidence is None:
+        return [float("nan")] * len(AREAS), np.full((len(CURVES), POINTS), np.nan)
+    common = np.isfinite(reference.truth) & np.isfinite([other.found.depth for other in rows]).all(axis=0)
+    error = np.abs(found.depth - reference.truth)[common].astype(np.float64)
+    trusted = [image[common] for image in (found.confidence, -found.uncertainty, view_angle(found.depth, reference.intrinsics))]
+    curves = [np.interp(shares(), *sparsification(error, key, POINTS)) / error.mean() for key in (*(-t for t in trusted), error)]
+    return [ause(t, error) for t in trusted], np.stack(curves)
 
 
 def shares() -> np.ndarray:
@@ -138,13 +142,6 @@ def shares() -> np.ndarray:
     import numpy as np
 
     return np.linspace(100 / POINTS, 100, POINTS)
-
-
-def no_confidence(depth: np.ndarray) -> np.ndarray:
-    """A map of zeros for what has no confidence."""
-    import numpy as np
-
-    return np.zeros(depth.shape, np.float32)
 
 
 def write_page(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:

@@ -78,6 +78,31 @@ def parse(text: str) -> list[Variant]:
 
 
 @dataclass(frozen=True, eq=False)
+class Judged:
+    """A map to be held against the truth, and what is known about it besides."""
+
+    depth: np.ndarray  # (h, w), NaN where nothing was observed
+    normals: np.ndarray | None = None  # (h, w, 3), if not those of the depth
+    confidence: np.ndarray | None = None  # (h, w)
+    uncertainty: np.ndarray | None = None  # (h, w)
+
+    @classmethod
+    def of(cls, fused: Fused) -> Judged:
+        """What was fused, without what was in-painted."""
+        import numpy as np
+
+        depth = np.where(fused.observations > 0, fused.depth, np.nan).astype(np.float32)
+        return cls(depth, fused.normals, fused.confidence, fused.uncertainty)
+
+    @property
+    def confidence_or_none(self) -> np.ndarray:
+        """The confidence, 0 everywhere if there is none."""
+        import numpy as np
+
+        return np.zeros(self.depth.shape, np.float32) if self.confidence is None else self.confidence
+
+
+@dataclass(frozen=True, eq=False)
 class Scene:
     """Views in memory, the one to fuse into with its truth, and the quantity to fuse."""
 
@@ -93,11 +118,13 @@ class Scene:
 
         return fuse(self.views, self.reference, variant.of(fusion, lam), inverse=self.inverse)
 
-    def errors(self, maps: Mapping[str, np.ndarray]) -> tuple[list[str], np.ndarray]:
-        """Columns and rows of the error measures of depth maps, all taken on the pixels that every one of them has."""
+    def errors(self, found: Mapping[str, Judged]) -> tuple[list[str], np.ndarray]:
+        """Columns and rows of the error measures of maps, all taken on the pixels that every one of them has."""
         from ipcli.models.fusion.metrics import compare
 
-        return compare(dict(maps), self.reference.truth, self.reference.intrinsics, self.baseline_focal)
+        maps = {name: one.depth for name, one in found.items()}
+        own = {name: one.normals for name, one in found.items() if one.normals is not None}
+        return compare(maps, self.reference.truth, self.reference.intrinsics, self.baseline_focal, own)
 
 
 def open_scene(path: Path, trials: Trials) -> Scene:
@@ -114,10 +141,3 @@ def open_scene(path: Path, trials: Trials) -> Scene:
         raise FormatError(path, f"the true depth of view '{name}' is not known", fix="Give views whose reference has a truth")
     domain = sequence.measured if trials.domain == "auto" else trials.domain
     return Scene(list(views.values()), views[name], domain == "disparity", sequence.baseline_focal, sequence.unit)
-
-
-def observed_depth(fused: Fused) -> np.ndarray:
-    """The fused map (h, w), NaN where it is in-painted."""
-    import numpy as np
-
-    return np.where(fused.observations > 0, fused.depth, np.nan).astype(np.float32)

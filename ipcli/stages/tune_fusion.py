@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ipcli.errors import ParameterError, nearest
 from ipcli.params import Run, option
-from ipcli.stages.scenes import Scene, Trials, Variant, observed_depth, open_scene
+from ipcli.stages.scenes import Judged, Scene, Trials, Variant, open_scene
 
 if TYPE_CHECKING:
     import numpy as np
@@ -81,7 +81,7 @@ def sweep(name: str, *, params: Params) -> dict[str, np.ndarray]:
 def curve(scene: Scene, variant: Variant, params: Params) -> tuple[list[str], float, np.ndarray, np.ndarray]:
     """Columns, the automatic lambda, its errors (c,), and the errors (n, c) over the grid."""
     fused = [scene.fuse(variant, params.fusion, lam) for lam in (None, *sorted(params.lambdas))]
-    columns, rows = scene.errors({str(index): observed_depth(one) for index, one in enumerate(fused)})
+    columns, rows = scene.errors({str(index): Judged.of(one) for index, one in enumerate(fused)})
     return columns, float(fused[0].lam), rows[0], rows[1:]
 
 

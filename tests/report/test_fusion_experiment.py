@@ -8,7 +8,7 @@ import pytest
 from ipcli.report import fusion_experiment as report
 from ipcli.report.fusion_experiment import Bar, Experiment, Printed
 
-COLUMNS = ("density %", "RMSE", "centred RMSE", "Z-MAE", "N-MAE rad", "D-avg px", "AUSE")
+COLUMNS = ("density %", "RMSE", "centred RMSE", "Z-MAE", "N-MAE rad", "D-avg px", "AUSE confidence")
 METHODS = ("reference", "median", "tgv-l1", "tgv-l1, tuned λ", "l1-adapt (acs)", "l1-adapt (acs), tuned λ")
 RMSE = {"reference": 1.0, "median": 0.5, "tgv-l1": 0.11, "tgv-l1, tuned λ": 0.1, "l1-adapt (acs)": 0.12, "l1-adapt (acs), tuned λ": 0.1}
 
@@ -64,7 +64,7 @@ def test_means_are_geometric_unless_told_otherwise_and_unknown_rows_are_not_know
     assert experiment.mean("median", "RMSE") == pytest.approx(0.5 * 2)
     assert experiment.mean("median", "Z-avg") == pytest.approx(1.0)
     assert experiment.mean("median", "density %") == 100
-    assert np.isnan(experiment.mean("rof", "RMSE")) and np.isnan(experiment.mean("median", "AUSE"))
+    assert np.isnan(experiment.mean("rof", "RMSE")) and np.isnan(experiment.mean("median", "AUSE confidence"))
     from dataclasses import replace
 
     assert replace(experiment, arithmetic=True).mean("median", "RMSE") == pytest.approx(0.5 * 2.5)

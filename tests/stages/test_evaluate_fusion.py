@@ -5,8 +5,9 @@ import pytest
 
 from ipcli import schema
 from ipcli.errors import ParameterError
+from ipcli.geometry.surface import normals
 from ipcli.io import h5
-from ipcli.models.fusion.metrics import ause
+from ipcli.models.fusion.metrics import ause, normal_error
 from ipcli.models.fusion.parameters import Fusion
 from ipcli.params import Run
 from ipcli.stages import compare, evaluate_fusion, fuse_depth, tune_fusion
@@ -63,12 +64,27 @@ def test_the_curves_end_at_the_mean_error_and_enclose_the_ause(evaluated):
     kept, least = arrays["kept_error"][row], arrays["least_error"][row]
     assert kept[-1] == pytest.approx(1) and least[-1] == pytest.approx(1)
     assert (np.diff(least) >= 0).all() and (least <= kept + 1e-9).all()
-    area = arrays["values"][row, list(arrays["columns"]).index("AUSE")]
+    area = arrays["values"][row, list(arrays["columns"]).index("AUSE confidence")]
     assert (kept - least).mean() == pytest.approx(area, rel=0.1)
     index = list(arrays["maps"]).index("l1-adapt (acs)")
     known = np.isfinite(arrays["depth"]).all(axis=0)
     error = np.where(known, np.abs(arrays["depth"][index] - arrays["truth"]), np.nan)
     assert area == pytest.approx(ause(arrays["confidence"][index], error))
+
+
+def test_normals_and_uncertainty_are_judged_as_fuse_depth_judges_them(views, evaluated, tmp_path):
+    arrays = h5.read(evaluated, "trials").arrays
+    fuse_depth.run(views, tmp_path / "f.h5", fuse_depth.Params(fusion=Fusion(method="l1-adapt")), Run())
+    alone = h5.read(tmp_path / "f.h5", "depth").arrays
+    error = np.where(np.isfinite(arrays["depth"]).all(axis=0), np.abs(alone["depth"] - alone["truth"]), np.nan)
+    row, columns = list(arrays["methods"]).index("l1-adapt (acs)"), list(arrays["columns"])
+    by_uncertainty, by_angle = (arrays["values"][row, columns.index(f"AUSE {order}")] for order in ("uncertainty", "angle"))
+    assert by_uncertainty == pytest.approx(ause(-alone["uncertainty"], error)) and by_uncertainty != pytest.approx(by_angle)
+    common = np.isfinite(error) & np.isfinite(arrays["truth"])
+    angle = normal_error(alone["normals"], normals(alone["truth"], alone["intrinsics"]), common)
+    assert arrays["values"][row, columns.index("N-MAE rad")] == pytest.approx(angle)
+    curve = arrays["kept_error_uncertainty"][row]
+    assert (curve - arrays["least_error"][row]).mean() == pytest.approx(by_uncertainty, rel=0.1)
 
 
 def test_compare_joins_trials_and_tells_the_rules_apart(evaluated, tmp_path):
