@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from ipcli import params
-from ipcli.stages import fuse_depth
+from ipcli.stages import fuse_depth, mocap_train
 
 CONFIGS = Path(__file__).parent.parent / "configs"
-CLASSES = {"fuse-depth": fuse_depth.Params}
+CLASSES = {"fuse-depth": fuse_depth.Params, "mocap-train": mocap_train.Params}
 
 
 @pytest.mark.parametrize("path", sorted(CONFIGS.glob("*/*.toml")), ids=lambda path: path.stem)

@@ -21,6 +21,7 @@ PROTOCOLS = {
     "frames": "Frames at random, as in the thesis: neighbours a few milliseconds apart are in both parts, so these figures tell "
     "how well the mixtures fit, and nothing of new recordings.",
 }
+CONFUSIONS = "Rows are the truth, columns the answers, in percent of the row; all splits together (thesis figure 5.5)."
 MOST_WRONG = 60  # rows of the table of clips that were named wrong
 
 
@@ -33,7 +34,7 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
         _verdict(arrays),
         *([notice(PROTOCOLS[split])] if split in ("frames", "clips") else []),
         _by_split(arrays),
-        _confusions(arrays, classes),
+        section("Confusions", confusions(arrays), lead=CONFUSIONS),
         _histograms(arrays, classes),
         _groups(arrays),
         clusters(arrays),
@@ -84,21 +85,30 @@ def _handful(size: int) -> str:
     return f"{size} frames" if size > 1 else "1 frame"
 
 
-def _confusions(arrays: Mapping[str, np.ndarray], classes: list[str]) -> Markup:
+def confusions(arrays: Mapping[str, np.ndarray]) -> Markup:
+    """The matrices of whole clips and of single frames side by side, all splits together."""
+    classes = _texts(arrays["classes"])
     drawn = [
         confusion.matrix(arrays[f"{what}_confusion"].sum(axis=0), classes, classes, title)
         for what, title in (("sequence", "Whole clips"), ("frame", "Single frames"))
     ]
-    lead = "Rows are the truth, columns the answers, in percent of the row; all splits together (thesis figure 5.5)."
-    return section("Confusions", element("div", *drawn, class_="beside"), lead=lead)
+    return element("div", *drawn, class_="beside")
+
+
+def histograms(counts: np.ndarray, classes: Sequence[object]) -> Markup:
+    """A panel for each row of (c, c) truth by answer."""
+    names = _texts(classes)
+    return element("div", *(confusion.histogram(row, names, name) for row, name in zip(counts, names, strict=True)), class_="panels")
 
 
 def _histograms(arrays: Mapping[str, np.ndarray], classes: list[str]) -> Markup:
-    counts = arrays["frame_confusion"].sum(axis=0)
-    panels = [confusion.histogram(row, classes, name) for row, name in zip(counts, classes, strict=True)]
-    names = ", ".join(f"{index} {name}" for index, name in enumerate(classes, start=1))
-    lead = f"The answers to the single frames of each action (thesis figure 5.3): {names}."
-    return section("Answers to single frames", element("div", *panels, class_="panels"), lead=lead)
+    panels = histograms(arrays["frame_confusion"].sum(axis=0), classes)
+    return section("Answers to single frames", panels, lead=f"The answers to the single frames of each action (thesis figure 5.3): {numbered(classes)}.")
+
+
+def numbered(names: Sequence[object]) -> str:
+    """The key to the bars of `histograms`."""
+    return ", ".join(f"{index} {name}" for index, name in enumerate(names, start=1))
 
 
 def _groups(arrays: Mapping[str, np.ndarray]) -> Markup:
@@ -109,7 +119,7 @@ def _groups(arrays: Mapping[str, np.ndarray]) -> Markup:
     return section("Groups", table(("Group", "Single frames"), rows), lead=lead)
 
 
-def clusters(arrays: Mapping[str, np.ndarray]) -> Markup:
+def clusters(arrays: Mapping[str, np.ndarray], title: str = "Behaviours") -> Markup:
     """Table 5.2: behaviours of each action and group, with the interval that holds 90 % of their posterior.
 
     Reads `components` (..., c, g, 3): mean, 5 % and 95 % of the number; of several splits, the means.
@@ -119,7 +129,7 @@ def clusters(arrays: Mapping[str, np.ndarray]) -> Markup:
         (name, *(_count(*cell) for cell in line)) for name, line in zip(_texts(arrays["classes"]), counts, strict=True)
     ]
     lead = "How many behaviours each action has in each group: the posterior mean, and the range that holds 90 % (thesis table 5.2)."
-    return section("Behaviours", table(("Action", *_texts(arrays["groups"])), rows), lead=lead)
+    return section(title, table(("Action", *_texts(arrays["groups"])), rows), lead=lead)
 
 
 def _count(mean: float, low: float, high: float) -> Markup:

@@ -60,13 +60,22 @@ def _poses(arrays: Mapping[str, np.ndarray]) -> Markup:
 def _action(arrays: Mapping[str, np.ndarray], action: int, box: tuple[np.ndarray, np.ndarray]) -> Markup:
     rows = []
     for group, name in enumerate(map(str, arrays["groups"])):
-        mine = np.flatnonzero((arrays["behaviour_action"] == action) & (arrays["behaviour_group"] == group))
-        order = mine[np.argsort(-arrays["behaviour_share"][mine], kind="stable")]
-        more = f", {len(order) - MOST} more are rarer" if len(order) > MOST else ""
-        figures = [_behaviour(arrays, index, rank, group, box) for rank, index in enumerate(order[:MOST], start=1)]
-        rows += [element("h3", f"{name}: {len(order)} behaviours{more}"), element("div", *figures, class_="poses")]
+        count = len(_ranked(arrays, action, group))
+        more = f", {count - MOST} more are rarer" if count > MOST else ""
+        rows += [element("h3", f"{name}: {count} behaviours{more}"), behaviours(arrays, action, group, box, MOST)]
     block = details(str(arrays["actions"][action]), *rows)
     return Markup(block.replace("<details>", "<details open>", 1)) if action == 0 else block
+
+
+def behaviours(arrays: Mapping[str, np.ndarray], action: int, group: int, box: tuple[np.ndarray, np.ndarray], most: int) -> Markup:
+    """The most frequent behaviours of an action in a group, drawn in a row."""
+    ranked = enumerate(_ranked(arrays, action, group)[:most], start=1)
+    return element("div", *(_behaviour(arrays, index, rank, group, box) for rank, index in ranked), class_="poses")
+
+
+def _ranked(arrays: Mapping[str, np.ndarray], action: int, group: int) -> np.ndarray:
+    mine = np.flatnonzero((arrays["behaviour_action"] == action) & (arrays["behaviour_group"] == group))
+    return mine[np.argsort(-arrays["behaviour_share"][mine], kind="stable")]
 
 
 def _behaviour(arrays: Mapping[str, np.ndarray], index: int, rank: int, group: int, box: tuple[np.ndarray, np.ndarray]) -> Markup:

@@ -1,0 +1,80 @@
+# Recognition of actions (thesis chapter 5). Each target ends in one page, build/experiments/mocap-NAME/index.html, beside tables 5.1 and
+# 5.2 and figures 5.3 to 5.6 of the thesis and what it is held to, with the same as CSV and JSON, and an artefact and a page a step:
+#   make experiments/mocap-hdm05      11 actions of 5 actors, raw ASF/AMC; every way to part them
+#   make experiments/mocap-florence   9 actions before a Kinect, the published splits
+#   make experiments/mocap-utkinect   10 actions before a Kinect, the published splits
+# QUICK=1 takes the motions of sample_data in place of the data sets and is done in a minute or two, in a folder of its own.
+# DATA is the folder of the data sets; EXECUTOR=processes:2 takes two cores. What benchmarks/mocap_peers.py left is shown beside ours.
+# A step whose artefact is there is not done again: after a kill, make goes on where it was, and so do the chains of the mixtures.
+
+DATA ?= $(or $(IPCLI_DATA),../shared/data)
+EXECUTOR ?= serial
+FEW := --handfuls 20,5,1
+HDM05_SOURCE := $(DATA)/mocap/hdm05_smij11/hdm05_smij11_raw_asf_amc.tar.xz
+FLORENCE_SOURCE := $(DATA)/mocap/florence3d
+UTKINECT_SOURCE := $(DATA)/mocap/utkinect/utkinect.tar.xz
+HDM05_TEST := mm,tr
+KINECT_SPLITS := published clips frames
+MOCAP_SUFFIX :=
+MOCAP_EFFORT :=
+
+ifdef QUICK
+MOCAP_SUFFIX := -quick
+HDM05_SOURCE := sample_data/motions
+FLORENCE_SOURCE := sample_data/motions
+UTKINECT_SOURCE := sample_data/motions
+HDM05_TEST := eve
+KINECT_SPLITS := clips frames
+MOCAP_EFFORT := --frames 60 --set learning.mixture.sweeps=10 --set learning.mixture.burn_in=5
+endif
+
+HDM05 := build/experiments/mocap-hdm05$(MOCAP_SUFFIX)
+FLORENCE := build/experiments/mocap-florence$(MOCAP_SUFFIX)
+UTKINECT := build/experiments/mocap-utkinect$(MOCAP_SUFFIX)
+
+# How each method learns, and how a split is drawn. Random splits are drawn three times.
+METHOD_aligned :=
+METHOD_known := --spread 0
+METHOD_thesis := --config configs/mocap-train/thesis.toml
+SPLIT_subjects := --split subjects --test $(HDM05_TEST)
+SPLIT_leave-one-out := --split leave-one-out
+SPLIT_one-to-rest := --split one-to-rest
+SPLIT_published := --split published
+SPLIT_clips := --split clips --repeats 3
+SPLIT_frames := --split frames --repeats 3
+
+.PHONY: experiments/mocap-hdm05 experiments/mocap-florence experiments/mocap-utkinect
+
+experiments/mocap-hdm05: $(HDM05)/index.html
+experiments/mocap-florence: $(FLORENCE)/index.html
+experiments/mocap-utkinect: $(UTKINECT)/index.html
+experiments/mocap-hdm05 experiments/mocap-florence experiments/mocap-utkinect:
+	@echo "Open $(CURDIR)/$< in a browser"
+
+# $(call evaluated,NAME,method,split)
+define evaluated
+$(1)/$(2)-$(3).evaluation.h5: $(1)/all.clips.h5
+	$$(BIN)/ipcli mocap-evaluate $$< $(SPLIT_$(3)) $(METHOD_$(2)) $(FEW) $(MOCAP_EFFORT) --executor $(EXECUTOR) -o $$@ --overwrite
+
+endef
+
+# $(call recognised,NAME,folder,source,splits)
+define recognised
+$(2)/all.clips.h5: $(3) $(INSTALLED)
+	$$(BIN)/ipcli import-clips $$< --rate 30 -o $$@ --overwrite
+
+$(2)/all.model.h5: $(2)/all.clips.h5
+	$$(BIN)/ipcli mocap-train $$< $(MOCAP_EFFORT) --executor $(EXECUTOR) -o $$@ --overwrite
+
+$(foreach s,$(4),$(call evaluated,$(2),aligned,$(s))$(call evaluated,$(2),thesis,$(s)))
+$(foreach s,$(filter clips frames,$(4)),$(call evaluated,$(2),known,$(s)))
+
+$(2)/index.html: experiments/mocap_page.py experiments/mocap_bars.csv $(wildcard experiments/thesis/mocap-*.csv) $(2)/all.model.h5 \
+    $(foreach s,$(4),$(2)/aligned-$(s).evaluation.h5) $(foreach s,$(filter clips frames,$(4)),$(2)/known-$(s).evaluation.h5) \
+    $(foreach s,$(4),$(2)/thesis-$(s).evaluation.h5) $(if $(QUICK),,$(wildcard build/benchmarks/mocap_peers_$(1).json))
+	$$(BIN)/python $$< $(if $(QUICK),--quick )$(1) $$@ $$(filter %.h5 %.json,$$^)
+endef
+
+$(eval $(call recognised,hdm05,$(HDM05),$(HDM05_SOURCE),subjects leave-one-out one-to-rest clips frames))
+$(eval $(call recognised,florence,$(FLORENCE),$(FLORENCE_SOURCE),$(KINECT_SPLITS)))
+$(eval $(call recognised,utkinect,$(UTKINECT),$(UTKINECT_SOURCE),$(KINECT_SPLITS)))
