@@ -101,7 +101,7 @@ def recognised(path: Path, paths: Sequence[Path], params: Params, seed: int, pro
     arrays = described(known, queries, told, model) | {
         "answers": answered,
         "threshold": np.float64(limit),
-        "group_posterior": group_shares(density[rows], queries.query, told),
+        "group_posterior": group_shares(density, rows, queries.query, told),
         "queries": np.array("window" if params.window is not None else "unordered" if params.unordered else "clip"),
     }
     return arrays | labelled(known, queries) | (segmented(known, arrays, queries) if params.window is not None else {})
@@ -171,14 +171,14 @@ def described(known: Motions, queries: Queries, told: Any, model: Model) -> dict
     }
 
 
-def group_shares(density: np.ndarray, query: np.ndarray, told: Any) -> np.ndarray:
+def group_shares(density: np.ndarray, rows: np.ndarray, query: np.ndarray, told: Any) -> np.ndarray:
     """Posterior (q, g) of the best action of each query by each group alone, the mean over the frames that show it; NaN without any."""
     import numpy as np
 
     from ipcli.models.mocap import recognition
 
     best = told.posterior.argmax(axis=1)[query]
-    share = np.exp(recognition.group_posteriors(density)[np.arange(len(density)), best])
+    share = np.exp(recognition.group_posteriors(density)[rows, best])
     seen = np.isfinite(share)
     sums = [np.bincount(query[s], weights=column[s], minlength=len(told.frames)) for column, s in zip(share.T, seen.T, strict=True)]
     counts = [np.bincount(query[s], minlength=len(told.frames)) for s in seen.T]

@@ -156,12 +156,11 @@ def asked(
     features = motions.features(known, skeleton_of(known, split), params.learning.features)
     model = lesson.model(fitted)
     density = recognition.log_densities(model, {group: x[rows] for group, x in features.items()})
-    posterior = recognition.frame_posteriors(model, density, params.decision)
+    posterior, by_group = recognition.frame_posteriors(model, density, params.decision), recognition.group_posteriors(density)
     truth, classes = actions[rows], len(model.actions)
-    seen = np.isfinite(posterior).all(axis=1)
-    by_group = recognition.group_posteriors(density)
     shape = (classes, len(model.groups), 3)
-    return clips_and_handfuls(known, rows, truth, posterior, params, seed, split.name) | {
+    seen = np.isfinite(posterior).all(axis=1)
+    return clips_and_handfuls(known, rows[seen], truth[seen], posterior[seen], params, seed, split.name) | {
         "train_clips": np.int64(len(np.unique(known.clip[split.train]))),
         "train_frames": np.int64(split.train.sum()),
         "test_clips": np.int64(len(np.unique(known.clip[rows]))),
@@ -175,7 +174,10 @@ def asked(
 def clips_and_handfuls(
     known: Motions, rows: np.ndarray, truth: np.ndarray, posterior: np.ndarray, params: Params, seed: int, split: str
 ) -> dict[str, np.ndarray]:
-    """Answers to whole clips and to handfuls of their frames; of a clip of several actions, each action is asked about by itself."""
+    """Answers to whole clips and to handfuls of their frames, those that show a group whole.
+
+    Of a clip of several actions, each action is asked about by itself.
+    """
     import numpy as np
 
     from ipcli.models.mocap import recognition

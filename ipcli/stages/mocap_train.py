@@ -70,17 +70,18 @@ def model_artefact(paths: Sequence[Path], params: Params, run: Run, work: Checkp
     names, actions = numbered(known.labels)
     features = motions.features(known, lengths, params.learning.features)
     lesson = Lesson.of(features, actions, names, params.learning, run.seed)
-    trials = rehearsals(known, features, actions, params, run.seed)
-    points = {f"{trial}{cell}": x for trial, one in {"": lesson, **trials}.items() for cell, x in one.points.items()}
+    trials = rehearsals(known, actions, params, run.seed)
+    lessons = {"": lesson} | {trial: one.lesson for trial, one in trials.items()}
+    points = {f"{trial}{cell}": x for trial, one in lessons.items() for cell, x in one.points.items()}
     found = learn(points, params.learning, run, work, progress)
     fitted = {cell: found[cell] for cell in lesson.cells}
     model = lesson.model(fitted)
-    tried = {trial: one.model({cell: found[f"{trial}{cell}"] for cell in one.cells}) for trial, one in trials.items()}
+    tried = {trial: one.lesson.model({cell: found[f"{trial}{cell}"] for cell in one.lesson.cells}) for trial, one in trials.items()}
     progress(1.0, "writing")
     return (
         behaviours.arrays(model)
         | body(known, lengths, model.groups)
-        | {"surprise": held_out_surprises(tried, known, features, actions, params), **_counts(known, actions, names)}
+        | {"surprise": held_out_surprises(tried, trials, known, actions, params), **_counts(known, actions, names)}
         | {"preferences": recognition.preference(model, params.decision)}
         | diagnosed(lesson, fitted)
         | drawn(lesson, fitted, motions.poses(known, lengths))
@@ -235,9 +236,16 @@ def groups_of(arrays: Mapping[str, np.ndarray], source: str) -> Groups:
     return Groups(kept, **single, **lists, up=tuple(map(float, arrays["up"])), source=source)
 
 
-def rehearsals(
-    known: Motions, features: Mapping[str, np.ndarray], actions: np.ndarray, params: Params, seed: int
-) -> dict[str, Lesson]:
+@dataclass(frozen=True, eq=False)
+class Rehearsal:
+    """A lesson from a part of the clips."""
+
+    taught: np.ndarray  # (c,) bool, the clips
+    features: Mapping[str, np.ndarray]  # (n, D) of each group, of all clips, on the common skeleton of those that teach
+    lesson: Lesson
+
+
+def rehearsals(known: Motions, actions: np.ndarray, params: Params, seed: int) -> dict[str, Rehearsal]:
     """Lessons from one half of the people each, or of the clips of a single one, to see how strange the other half looks.
 
     They take a part of the frames only. An action that one half does not show cannot be judged from it.
@@ -246,9 +254,11 @@ def rehearsals(
 
     import numpy as np
 
+    from ipcli.models.mocap.features import reference_lengths
+
     settings = replace(params.learning, frames=max(params.learning.frames // REHEARSAL, 2))
     found = {}
-    for number, half in enumerate(halves(known)):
+    for number, half in enumerate(halves(known), 1):
         learnt = np.where(half[known.clip], actions, -1)
         shown = [action for action in range(int(actions.max()) + 1) if (learnt == action).sum() > 1]
         if shown:
@@ -256,7 +266,10 @@ def rehearsals(
             own = np.full(len(learnt), -1)
             for index, action in enumerate(shown):
                 own[learnt == action] = index
-            found[f"half {number + 1}: "] = Lesson.of(features, own, names, settings, seed, f"half {number + 1}")
+            lengths = reference_lengths([known.clips[clip].motion for clip in np.flatnonzero(half)], known.groups)
+            features = motions.features(known, lengths, settings.features)
+            lesson = Lesson.of(features, own, names, settings, seed, f"half {number}")
+            found[f"half {number}: "] = Rehearsal(half, features, lesson)
     return found
 
 
@@ -270,17 +283,18 @@ def halves(known: Motions) -> list[np.ndarray]:
 
 
 def held_out_surprises(
-    tried: Mapping[str, Model], known: Motions, features: Mapping[str, np.ndarray], actions: np.ndarray, params: Params
+    tried: Mapping[str, Model], trials: Mapping[str, Rehearsal], known: Motions, actions: np.ndarray, params: Params
 ) -> np.ndarray:
     """How strange each labelled clip looks to a model of the other half, ascending; later clips stranger than those are no action."""
     import numpy as np
 
     from ipcli.models.mocap import recognition
 
-    told, sides = [], dict(zip(("half 1: ", "half 2: "), halves(known), strict=False))
+    told = []
     for trial, model in tried.items():
-        rows = np.flatnonzero(~sides[trial][known.clip] & (actions >= 0) & np.isin(known.labels, model.actions))
-        density = recognition.log_densities(model, {group: x[rows] for group, x in features.items()})
+        one = trials[trial]
+        rows = np.flatnonzero(~one.taught[known.clip] & (actions >= 0) & np.isin(known.labels, model.actions))
+        density = recognition.log_densities(model, {group: x[rows] for group, x in one.features.items()})
         posterior, surprise = (f(model, density, params.decision) for f in (recognition.frame_posteriors, recognition.surprises))
         told.append(recognition.answer(posterior, surprise, known.clip[rows], len(known.clips), params.decision).surprise)
     every = np.concatenate(told) if told else np.empty(0)

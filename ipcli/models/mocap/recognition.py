@@ -13,7 +13,7 @@ from ipcli.models.mocap.behaviours import Model, with_body
 from ipcli.models.mocap.parameters import BODY, Decision
 
 NONE = -1  # the answer "none of these"
-CHUNK = 65536  # frames at a time: memory does not grow with the take
+CHUNK = 65536  # frames at a time, whose coordinates are in memory
 
 
 @dataclass(frozen=True, eq=False)
