@@ -13,7 +13,8 @@ DATA ?= $(or $(IPCLI_DATA),../shared/data)
 MESHES := build/meshes
 ALGORITHMS := rof-adapt:ama rof-adapt:biconvex l1-adapt:ama l1-adapt:biconvex adapt-hprior:ama adapt-hprior:biconvex \
     adapt-hprior-g:ama adapt-hprior-g:biconvex
-ONE_EACH := rof rof-median tv-l1 tgv-l1 tgv-huber l1-heuristic rof-adapt l1-adapt adapt-hprior adapt-hprior-g
+ONE_EACH := rof rof-median tv-l1 tgv-l1 tgv-huber l1-heuristic rof-adapt l1-adapt l1-adapt-views \
+    adapt-hprior adapt-hprior-g
 METHODS ?= all
 SWEEP_METHODS ?= median rof-median tgv-l1 l1-heuristic l1-adapt adapt-hprior
 LAMBDAS ?= 0.07 0.1 0.14 0.2 0.28 0.4 0.56 0.8 1.6 3.2 6.4

@@ -67,6 +67,17 @@ class Observations:
         weights = None if self.weights is None else self.weights[top:bottom]
         return Observations(self.stack[top:bottom], weights, self.total[top:bottom], self.count[top:bottom])
 
+    def weighed(self, weights: np.ndarray) -> Observations:
+        """The same observations with their weights times these (h, K, w) float32, in the order of the stack, 0 where there is none."""
+        weights = weights if self.weights is None else self.weights * weights
+        return Observations(self.stack, weights, weights.sum(axis=1), self.count)
+
+    def deviations(self, x: np.ndarray) -> np.ndarray:
+        """w_k |x - d_k| of an image (h, w), each by itself: (h, K, w) float32, 0 where there is none."""
+        apart = np.abs(x[:, None] - self.stack)
+        apart[~np.isfinite(apart)] = 0
+        return apart if self.weights is None else apart * self.weights
+
     @property
     def bounds(self) -> tuple[float, float]:
         """Least and greatest observation."""

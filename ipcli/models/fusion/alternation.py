@@ -11,6 +11,9 @@ where rate = 1/(2W). The best confidence of an image is L_i = b_i / (D_i(x) + ra
 the merit that every round of alternate convex search lowers (it minimises a majorant of F), and that stops it. By default
 b_i = K_i + shape - 1 for K_i observations: the confidence is then the posterior mode of the precision of Laplace noise under
 a Gamma(shape, rate) prior. The code published with the thesis never used L in ACS and AMA; see docs/errata.md.
+
+A confidence of every observation (there: "_sep") stands in for that of the pixel by L_ik in place of L_i and its prior divided by
+K_i; all of the above then holds observation by observation, and where they deviate alike the two are the same.
 """
 
 from __future__ import annotations
@@ -27,34 +30,68 @@ from ipcli.inverse.regularize.parameters import Regulariser, Solver
 START = 30.0  # the first round may be this much less exact than the last
 TIGHTEN = 4.0  # by how much each round is more exact than the one before
 SETTLED = 1e-3  # a round that lowers the merit by less than this share of its regularised part was the last one
+FAR = 1e3  # reach of a proximal term, in units of the noise, that no longer matters
 BICONVEX_STEP = 0.1  # tau of the confidence in Algorithm 4.4
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Energy (4.3) for one image; L and its prior are (h, w) float32."""
+    """Energy (4.3) for one image; the confidence L, b and rate are (h, w) float32, or (h, K, w) with one for each observation."""
 
-    fidelity: AbsoluteDeviations | SquaredDeviations  # its scale is set anew from the confidence
+    fidelity: AbsoluteDeviations | SquaredDeviations  # its scale, or its weights, are set anew from the confidence
     lam: float
     regulariser: Regulariser
     bounds: tuple[float, float]
     b: np.ndarray
     rate: np.ndarray
 
+    @property
+    def of_each(self) -> bool:
+        """Whether each observation has a confidence of its own."""
+        return self.b.ndim == 3
+
+    @property
+    def observed(self) -> np.ndarray:
+        """Where there is something to be confident of: (h, w), or (h, K, w)."""
+        return np.isfinite(self.fidelity.data.stack) if self.of_each else self.fidelity.total > 0
+
     def at(self, confidence: np.ndarray) -> AbsoluteDeviations | SquaredDeviations:
-        """The data term lambda L D of a given confidence."""
+        """The data term lambda L D of a given confidence, of pixels (h, w) or of observations (h, K, w)."""
+        if confidence.ndim == 3:
+            scale = np.full(confidence.shape[::2], self.lam, np.float32)
+            return AbsoluteDeviations(self.fidelity.data.weighed(confidence), scale)
         return replace(self.fidelity, scale=(self.lam * confidence).astype(np.float32))
+
+    def deviations(self, x: np.ndarray) -> np.ndarray:
+        """D of an image (h, w): of each pixel, or of each observation."""
+        return self.fidelity.data.deviations(x) if self.of_each else self.fidelity.deviation(x)
 
     def best_confidence(self, x: np.ndarray) -> np.ndarray:
         """L of an image, eq. (4.14); 0 where nothing was observed."""
-        observed = self.fidelity.total > 0
-        return np.where(observed, self.b / (self.fidelity.deviation(x) + self.rate), 0).astype(np.float32)
+        return np.where(self.observed, self.b / (self.deviations(x) + self.rate), 0).astype(np.float32)
+
+    def of_pixels(self, confidence: np.ndarray) -> np.ndarray:
+        """A confidence as one of pixels (h, w): the mean over their observations."""
+        if confidence.ndim == 2:
+            return confidence
+        data = self.fidelity.data
+        return (data.weighed(confidence).total / np.maximum(data.total, np.finfo(np.float32).tiny)).astype(np.float32)
 
     def merit(self, iterate: tgv.Iterate) -> float:
         """F at an iterate, with its own slopes in place of the best ones."""
-        data = self.b * np.log(self.fidelity.deviation(iterate.x) + self.rate, dtype=np.float64)
-        observed = self.fidelity.total > 0
-        return tgv.value(iterate.x, iterate.v, self.regulariser) + self.lam * float(data.sum(where=observed))
+        data = self.b * np.log(self.deviations(iterate.x) + self.rate, dtype=np.float64)
+        return tgv.value(iterate.x, iterate.v, self.regulariser) + self.lam * float(data.sum(where=self.observed))
+
+    def with_prior(self, prior: np.ndarray) -> Problem:
+        """The same under a prior confidence (h, w)."""
+        return replace(self, rate=self.rate / (prior[:, None] if self.of_each else prior))
+
+    def for_each(self) -> Problem:
+        """The same with a confidence for each observation in place of one for each pixel, whose prior they share out."""
+        count = np.maximum(self.fidelity.data.count, 1)
+        shape = self.fidelity.data.stack.shape
+        b, rate = (np.broadcast_to((prior / count)[:, None], shape) for prior in (self.b, self.rate))
+        return replace(self, b=b, rate=rate)
 
 
 @dataclass
@@ -94,21 +131,19 @@ def alternate_convex_search(problem: Problem, iterate: tgv.Iterate, solver: Solv
 
 
 def alternate_minimisation(problem: Problem, iterate: tgv.Iterate, solver: Solver, rounds: int, history: History) -> None:
-    """Algorithm 4.2: as alternate convex search, each step held near the last by a proximal term that doubles its reach.
+    """Algorithm 4.2: as alternate convex search, each step held near the last by a proximal term that reaches further each round.
 
-    The reach starts at 1/K, where the joint problem is convex (K-semiconvexity; the thesis' sqrt(N) is not needed).
+    The reach starts at 1/K, where the joint problem is convex (K-semiconvexity; the thesis' sqrt(N) is not needed), and ends at
+    FAR, where it holds nothing back. A round that gains little says nothing before that: it was not let go.
     """
-    reach = 1.0 / max(float(problem.fidelity.total.max()), 1.0)
+    nearest = 1.0 / max(float(problem.fidelity.total.max()), 1.0)
     confidence = problem.best_confidence(iterate.x)
-    merit = problem.merit(iterate)
-    history.mark(merit)
-    for inner in tightened(solver, rounds):
+    history.mark(problem.merit(iterate))
+    for inner, share in zip(tightened(solver, rounds), np.linspace(0, 1, rounds) if rounds > 1 else [1.0], strict=True):
+        reach = float(nearest ** (1 - share) * FAR**share)
         confidence = confidence_step(confidence, problem, iterate.x, reach)
         anchored = Anchored(problem.at(confidence), iterate.x.copy(), reach)
-        before, merit = merit, _round(problem, anchored, iterate, inner, history)
-        if inner.tolerance == solver.tolerance and settled(before - merit, problem, iterate):
-            break
-        reach *= 2
+        _round(problem, anchored, iterate, inner, history)
 
 
 def biconvex_primal_dual(problem: Problem, iterate: tgv.Iterate, solver: Solver, rounds: int, history: History) -> None:
@@ -129,10 +164,10 @@ def biconvex_primal_dual(problem: Problem, iterate: tgv.Iterate, solver: Solver,
 
 def confidence_step(confidence: np.ndarray, problem: Problem, x: np.ndarray, step: float) -> np.ndarray:
     """Proximal step of the confidence, eqs. (4.15)-(4.17): the positive root of L^2 - a L - b step = 0."""
-    a = confidence - step * (problem.fidelity.deviation(x) + problem.rate)
+    a = confidence - step * (problem.deviations(x) + problem.rate)
     half = (np.abs(a) + np.sqrt(a * a + 4 * problem.b * step)) / 2
     root = np.where(a > 0, half, problem.b * step / half)  # each without cancellation
-    return np.where(problem.fidelity.total > 0, root, 0).astype(np.float32)
+    return np.where(problem.observed, root, 0).astype(np.float32)
 
 
 def tightened(solver: Solver, rounds: int) -> list[Solver]:

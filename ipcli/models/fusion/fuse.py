@@ -81,7 +81,7 @@ def fuse(
     layers[~np.isfinite(layers)] = np.nan
     return Fused(
         depth=last.ended.depth,
-        confidence=last.problem.best_confidence(last.x),
+        confidence=last.problem.of_pixels(last.problem.best_confidence(last.x)),
         uncertainty=last.uncertainty(),
         normals=last.normals(reference.intrinsics, METHODS[fusion.method]),
         observations=last.data.count.astype(np.uint16),
@@ -215,7 +215,7 @@ def solve(
     if not method.adaptive:
         with_given_confidence(problem, prior, iterate, solver, history)
         return problem
-    problem = replace(problem, rate=problem.rate / prior)
+    problem = problem.with_prior(prior)
     ALGORITHMS[fusion.algorithm](problem, iterate, solver, fusion.rounds, history)
     return problem
 
@@ -245,7 +245,8 @@ def pose(data: Observations, lam: float, method: Method, fusion: Fusion) -> Prob
         fidelity = AbsoluteDeviations(data, even, fusion.huber if method.deviation == "huber" else 0.0)
     b = np.full_like(even, settings.b) if settings.b else data.count + np.float32(settings.shape - 1)
     regulariser = replace(fusion.regulariser, order=method.order) if method.order else fusion.regulariser
-    return Problem(fidelity, lam, regulariser, data.bounds, b, np.full_like(even, settings.rate))
+    problem = Problem(fidelity, lam, regulariser, data.bounds, b, np.full_like(even, settings.rate))
+    return problem.for_each() if method.each_view else problem
 
 
 def prior_confidence(x: np.ndarray, method: Method, fusion: Fusion, units: Units, reference: View) -> np.ndarray:

@@ -17,6 +17,7 @@ class Method:
     adaptive: bool = False  # estimate the confidence with the depth
     normals: bool = False  # prior confidence (4.35) from the angle between surface and view
     edges: bool = False  # prior confidence (4.37) from the edges of the image
+    each_view: bool = False  # a confidence for each observation in place of one for each pixel
     of_median: bool = False  # regularise the median instead of all observations
 
 
@@ -31,6 +32,7 @@ METHODS = {
     "l1-heuristic": Method(2, "absolute", normals=True),
     "rof-adapt": Method(1, "squared", adaptive=True),
     "l1-adapt": Method(2, "absolute", adaptive=True),
+    "l1-adapt-views": Method(2, "absolute", adaptive=True, each_view=True),
     "adapt-hprior": Method(2, "absolute", adaptive=True, normals=True),
     "adapt-hprior-g": Method(2, "absolute", adaptive=True, normals=True, edges=True),
 }

@@ -75,10 +75,29 @@ def test_a_prior_confidence_divides_the_rate_where_the_surface_turns_away():
     assert np.median(np.abs(1 / raised - angle)) < 0.05 and raised[angle < 0.5].mean() > 1.3 * raised[angle > 0.9].mean()
 
 
-@pytest.mark.parametrize("algorithm", ["acs", "ama", "biconvex"])
-def test_each_algorithm_gives_nearly_the_same_depth(algorithm):
-    one, other = (fused(views(), algorithm=name) for name in ("acs", algorithm))
+@pytest.mark.parametrize("algorithm", ["ama", "biconvex"])
+@pytest.mark.parametrize("method", [name for name in METHODS if METHODS[name].adaptive])
+def test_each_algorithm_gives_nearly_the_same_depth(method, algorithm):
+    one, other = (fused(views(), method=method, algorithm=name) for name in ("acs", algorithm))
     assert np.median(np.abs(one.depth - other.depth)) < 0.1 * one.noise_scale
+
+
+def test_of_one_view_its_confidence_is_that_of_the_pixels():
+    one, other = (fused(scene()[2:3], reference=0, method=method, lam=1.0) for method in ("l1-adapt", "l1-adapt-views"))
+    np.testing.assert_allclose(other.depth, one.depth, atol=0.01 * one.noise_scale)
+    np.testing.assert_allclose(other.confidence, one.confidence, rtol=1e-2)
+
+
+def test_a_confidence_for_each_view_gains_where_a_patch_of_two_of_them_is_off():
+    """Both are off by the same: absolute deviations alone move a third of the way from the median to them."""
+    spoilt = [replace(view, depth=view.depth.copy()) for view in scene()]
+    for view in spoilt[:2]:
+        view.depth[30:50, 10:40] += np.float32(0.2)
+    errors = {}
+    for method in ("l1-adapt", "l1-adapt-views"):
+        result = fused(spoilt, method=method)
+        errors[method] = error(result.depth, spoilt[2])[30:50, 10:40].mean()
+    assert errors["l1-adapt-views"] < 0.8 * errors["l1-adapt"]
 
 
 @pytest.mark.parametrize("inverse", [False, True], ids=["depth", "disparity"])
