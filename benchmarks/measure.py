@@ -122,7 +122,7 @@ def machine() -> dict[str, Any]:
 
     load = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
     known = {item.metadata["Name"].lower(): item.version for item in metadata.distributions()}
-    names = ("numpy", "numba", "pylops", "pyproximal", "odl", "scikit-image", "open3d-cpu", "open3d")
+    names = ("numpy", "numba", "pylops", "pyproximal", "odl", "scikit-image", "scikit-learn", "aeon", "open3d-cpu", "open3d")
     return {
         "time": time.strftime("%Y-%m-%d %H:%M:%S"),
         "processor": f"{_processor()}, {os.cpu_count()} logical",

@@ -1,8 +1,8 @@
-"""What a user might take instead to name the action of a clip: each a `fit` on clips and labels and an answer to clips.
+"""Ours, and what a user might take instead to name the action of a clip: each a `fit` on clips and labels and an answer to clips.
 
-A clip is an array (n, j, 3) of joint positions, relative to the root and turned to face one way. Those that work frame by frame
-give `frame_scores`, a list of (n, classes) log probabilities; the others name whole clips only. The name of DMW (Gong & Medioni), which
-the thesis compares with, is not among them because no code of it is public: DTW-1NN stands in for it.
+A clip is an array (n, j, 3) of joint positions, from the root and turned to face one way; for ours (n, g, 7), the features of each group
+of joints. Those that work frame by frame give `frame_scores`, a list of (n, classes) log probabilities; the others name whole clips only.
+DMW (Gong & Medioni), which the thesis compares with, is not among them because no code of it is public: DTW-1NN stands in for it.
 """
 
 from __future__ import annotations
@@ -123,20 +123,100 @@ class MiniRocket:
         return np.stack([resample(flat(clip), self.length).T for clip in clips]).astype(np.float32)
 
 
-METHODS: dict[str, tuple[type, tuple[dict[str, Any], ...]]] = {  # class and the grid of its settings
-    "DTW-1NN (stands in for DMW)": (
-        TimeWarping,
-        tuple(dict(stride=2, window=window, normalised=normalised) for window in (0.1, 0.2, 1.0) for normalised in (True, False)),
+class Behaviours(FrameWise):
+    """Ours: a Dirichlet process mixture for each action and group of joints, recognised by the product of the groups' posteriors."""
+
+    def __init__(self, spread: float):
+        from ipcli.models.mocap.parameters import Decision, Learning
+
+        self.settings, self.decision = Learning(spread=spread), Decision()
+
+    def fit(self, clips: Clips, labels: np.ndarray) -> None:
+        from ipcli.models.mocap import behaviours
+
+        self.classes, action = np.unique(labels, return_inverse=True)
+        actions = np.repeat(action, [len(clip) for clip in clips])
+        self.model = behaviours.train(by_group(clips), actions, tuple(self.classes), self.settings, np.random.default_rng(0))
+
+    def frame_scores(self, clips: Clips) -> list[np.ndarray]:
+        from ipcli.models.mocap import recognition
+
+        density = recognition.log_densities(self.model, by_group(clips))
+        posterior = recognition.frame_posteriors(self.model, density, self.decision)
+        known = np.where(np.isfinite(posterior), posterior, 0.0)  # a frame that shows no group whole says nothing
+        return np.split(known, np.cumsum([len(clip) for clip in clips])[:-1])
+
+
+class Variational(Behaviours):
+    """All as in ours, but scikit-learn's variational mixture of at most so many components in place of the sampled one."""
+
+    def __init__(self, components: int, spread: float):
+        super().__init__(spread)
+        self.components = components
+
+    def fit(self, clips: Clips, labels: np.ndarray) -> None:
+        from ipcli.models.mocap import behaviours
+
+        self.classes, action = np.unique(labels, return_inverse=True)
+        actions = np.repeat(action, [len(clip) for clip in clips])
+        rows = behaviours.draw_frames(actions, len(self.classes), self.settings, np.random.default_rng(0))
+        features = {group: x[rows] for group, x in behaviours.with_body(by_group(clips), True).items()}
+        projections = behaviours.fit_projections(features, actions[rows], self.settings)
+        cells = [[self._density(project(features[group])[actions[rows] == a]) for group, project in projections.items()] for a in range(len(self.classes))]
+        alpha = np.ones((len(self.classes), len(projections)))
+        self.model = behaviours.Model(tuple(self.classes), tuple(projections), tuple(projections.values()), tuple(map(tuple, cells)), alpha)
+
+    def _density(self, x: np.ndarray) -> Any:
+        """What it learnt, as the kind of density that ours is: a t of so many degrees of freedom is a Gaussian."""
+        from ipcli.inverse.bayes.predictive import Predictive
+        from ipcli.models.mocap.behaviours import of_others
+        from sklearn.mixture import BayesianGaussianMixture
+
+        x = x[np.isfinite(x).all(axis=1)]
+        count = min(self.components, len(x))
+        mixture = BayesianGaussianMixture(n_components=count, reg_covar=1e-2, max_iter=200, random_state=0).fit(x)
+        whole = Predictive(
+            np.log(mixture.weights_), np.full(count, 1e6), mixture.means_, np.linalg.cholesky(mixture.covariances_), np.zeros(count, np.int32)
+        )
+        return of_others(whole, self.settings.spread)
+
+
+OURS = "behaviours (ours)"
+DTW = "DTW-1NN (stands in for DMW)"
+SKELETONS = ("positions", "reposed")  # the actor's own, or the common one
+METHODS: dict[str, tuple[type, tuple[dict[str, Any], ...]]] = {  # class and the grid of its settings; `by`: what describes a frame
+    OURS: (Behaviours, tuple(dict(by="features", spread=spread) for spread in (0.1, 0.3, 0.6))),
+    "scikit-learn mixture in place of ours": (
+        Variational,
+        tuple(dict(by="features", components=count, spread=spread) for count in (5, 10, 20) for spread in (0.1, 0.3, 0.6)),
     ),
-    "MiniRocket": (MiniRocket, tuple(dict(length=length) for length in (32, 64, 128))),
+    "k-NN of frames": (NearestFrames, tuple(dict(by=by, k=k) for by in SKELETONS for k in (1, 5, 15, 50))),
+    "shrinkage LDA of frames": (
+        Discriminant,
+        tuple(dict(by=by, shrinkage=share) for by in SKELETONS for share in ("auto", 0.01, 0.1, 0.3, 0.6)),
+    ),
     "covariance + linear SVM (Cov3DJ)": (
         Covariance,
-        tuple(dict(levels=levels, cost=cost) for levels in (1, 2) for cost in (0.001, 0.01, 0.1)),
+        tuple(dict(by=by, levels=levels, cost=cost) for by in SKELETONS for levels in (1, 2) for cost in (0.001, 0.01, 0.1)),
     ),
-    "k-NN of frames": (NearestFrames, tuple(dict(k=k) for k in (1, 5, 15, 50))),
-    "shrinkage LDA of frames": (Discriminant, tuple(dict(shrinkage=share) for share in ("auto", 0.01, 0.1, 0.3, 0.6))),
+    DTW: (
+        TimeWarping,
+        tuple(
+            dict(by=by, stride=2, window=window, normalised=normalised)
+            for by in SKELETONS
+            for window in (0.1, 0.2, 1.0)
+            for normalised in (True, False)
+        ),
+    ),
+    "MiniRocket": (MiniRocket, tuple(dict(by=by, length=length) for by in SKELETONS for length in (32, 64, 128))),
 }
-NEEDS = {"DTW-1NN (stands in for DMW)": "aeon", "MiniRocket": "aeon"}  # all others scikit-learn
+NEEDS = {DTW: "aeon", "MiniRocket": "aeon"}  # all others scikit-learn
+
+
+def by_group(clips: Clips) -> dict[str, np.ndarray]:
+    """The frames of clips (n, g, 7) of all clips together, (m, 7) of each group."""
+    frames = np.concatenate(clips)
+    return {f"group {index}": frames[:, index] for index in range(frames.shape[1])}
 
 
 def flat(clip: np.ndarray) -> np.ndarray:
@@ -151,10 +231,10 @@ def covariance(frames: np.ndarray) -> np.ndarray:
 
 
 def parts(frames: np.ndarray, levels: int) -> list[np.ndarray]:
-    """The whole clip and, at two levels, its halves and the half in the middle."""
-    n = len(frames)
-    halves = [(0, n // 2), (n // 4, n // 4 + n // 2), (n - n // 2, n)] if levels == 2 else []
-    return [frames, *(frames[start : max(end, start + 1)] for start, end in halves)]
+    """The whole clip and, at two levels, its halves and the half in the middle, none without a frame."""
+    half = max(len(frames) // 2, 1)
+    starts = (0, (len(frames) - half) // 2, len(frames) - half) if levels == 2 else ()
+    return [frames, *(frames[start : start + half] for start in starts)]
 
 
 def resample(frames: np.ndarray, length: int) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Who is recognised best: behaviours against what a user might take instead, on the same splits and frames, in one run.
 
-    python -m benchmarks.mocap_peers --clips hdm05.clips.h5 --development bd,bk,dg
-    python -m benchmarks.mocap_peers --clips florence.clips.h5 --published --development-splits 3
+    python -m benchmarks.mocap_peers --clips build/experiments/mocap-hdm05/all.clips.h5 --name hdm05 --development bd,bk,dg
+    python -m benchmarks.mocap_peers --clips build/experiments/mocap-florence/all.clips.h5 --name florence --published
 
 Every method takes the setting of its declared grid that is best on the development actors (leave one out among them) or on the
 development splits; all else is reported once at that setting.
@@ -59,13 +59,13 @@ def protocols(problem: Problem, development: Sequence[str], spared: int) -> tupl
     """The splits to choose settings on, and those to report by their names."""
     if problem.splits:
         every = published(problem.splits)
-        return every[:spared], {"published": every, f"published, after the first {spared}": every[spared:]}
+        return every[:spared], {"published": every, f"published, without the first {spared}": every[spared:]}
     inside = np.isin(problem.actors, development)
     chosen = [Split(train & inside, test & inside) for train, test in leave_one_out(problem.actors) if (test & inside).any()]
     return chosen, {
-        "cross-subject": [subjects(problem.actors, development)],
-        "leave one actor out": leave_one_out(problem.actors),
-        "one actor to the rest": one_to_rest(problem.actors),
+        "subjects": [subjects(problem.actors, development)],
+        "leave-one-out": leave_one_out(problem.actors),
+        "one-to-rest": one_to_rest(problem.actors),
     }
 
 
@@ -84,7 +84,7 @@ def queries(problem: Problem, split: Split, kind: str | int) -> Iterator[tuple[i
 def measure(problem: Problem, name: str, setting: dict[str, Any], split: Split, kinds: Sequence[str | int]) -> dict[str, float]:
     """Seconds to learn and to answer for the whole clips, and the share of right answers of each kind of question."""
     setting = dict(setting)
-    clips = problem.representation(setting.pop("of"))
+    clips = problem.described(setting.pop("by"), split.train)
     method = METHODS[name][0](**setting)
     train = np.flatnonzero(split.train)
     started = time.perf_counter()
@@ -143,8 +143,8 @@ def rows(found: dict[str, dict[str, Any]], protocol: str) -> list[dict[str, Any]
     for name, result in found.items():
         f = result["figures"][protocol]
         percent = {
-            "clips %": _told(f, "whole"), "frames %": _told(f, "frames"), "shuffled clips %": _told(f, "shuffled"),
-            **{f"{size} frame{'s' * (size > 1)} of a clip %": _told(f, str(size)) for size in HANDFULS},
+            "single frames %": _told(f, "frames"), **{f"{size} frame{'s' * (size > 1)} of a clip %": _told(f, str(size)) for size in HANDFULS[::-1]},
+            "shuffled clips %": _told(f, "shuffled"), "whole clips %": _told(f, "whole"),
         }  # fmt: skip
         setting = ", ".join(f"{key}={value}" for key, value in result["setting"].items())
         table.append({"method": name, **percent, "train s": f["train s"], "query s": f["query s"], "setting": setting})
@@ -162,6 +162,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run every method that is installed and publish a table a protocol."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--clips", type=Path, required=True, help="clips artefact of a data set")
+    parser.add_argument("--name", default="", help="of the table; that of the clips if not given")
     parser.add_argument("--development", default="", help="actors to choose settings on, such as bd,bk,dg")
     parser.add_argument("--published", action="store_true", help="take the splits that came with the data")
     parser.add_argument("--development-splits", type=int, default=3, help="of the published splits, so many to choose settings on")
@@ -177,10 +178,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         say(name)
         question = {"clips": str(given.clips.resolve()), "name": name, "development": development, "spared": spared}
         found[name] = isolated("benchmarks.mocap_peers:judged", 1, **question)
-    stem = given.clips.name.split(".")[0]
+    stem = given.name or given.clips.name.split(".")[0]
     tables = {protocol: rows(found, protocol) for protocol in next(iter(found.values()))["figures"]}
     facts = {"clips": stem, "threads": 1, "settings chosen on": f"the first {spared} splits" if spared else ", ".join(development)}
-    publish(f"mocap_peers_{stem}", f"Recognition of {stem} by peers", tables, facts, given.output)
+    publish(f"mocap_peers_{stem}", f"Recognition of {stem}, ours and peers", tables, facts, given.output)
 
 
 if __name__ == "__main__":
