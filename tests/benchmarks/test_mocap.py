@@ -17,10 +17,11 @@ NAMES = ("walk", "kick", "squat")
 
 @pytest.fixture
 def lessons():
-    """Clips (n, 2, 7) of three actions that differ in where they are and how widely they move, and their labels."""
+    """Clips (n, 2, 7) of three actions that differ in where they are and along which coordinates they move, and their labels."""
     rng = np.random.default_rng(3)
-    labels, place = np.repeat(NAMES, 4), np.repeat(np.arange(3), 4)
-    return [rng.normal(6 * at, 0.3 + at, (15, 2, 7)) for at in place], labels
+    labels, place = np.repeat(NAMES, 8), np.repeat(np.arange(3), 8)
+    wide = np.where(np.arange(14).reshape(2, 7) % 3 == np.arange(3)[:, None, None], 2.0, 0.3)
+    return [rng.normal(6 * at, wide[at], (15, 2, 7)) for at in place], labels
 
 
 def skip_without(name):
@@ -43,7 +44,7 @@ def test_every_method_tells_apart_what_lies_apart_whole_and_by_one_frame(name, l
     assert len(method.answer([one[:1] for one in clips])) == len(clips)
     if hasattr(method, "frame_scores"):
         scores = method.frame_scores(clips[1::2])
-        assert [one.shape for one in scores] == [(15, 3)] * 6
+        assert [one.shape for one in scores] == [(15, 3)] * 12
         assert np.mean([method.classes[one.argmax(axis=1)] == label for one, label in zip(scores, labels[1::2], strict=True)]) > 0.95
 
 
