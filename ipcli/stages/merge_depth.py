@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
     from ipcli.models.fusion.merge import Cloud, FusedMap
     from ipcli.stages.artefact import Outcome
 
-NEEDED = {"depth", "confidence", "normals", "observations", "intrinsics", "cam_from_world", "image", "view_residual", "domain", "unit"}
+NEEDED = {"depth", "confidence", "normals", "observations", "intrinsics", "cam_from_world", "image", "view_residual", "domain"}
+SPARE = 8  # maps held beyond the neighbours of one
 
 
 @dataclass(frozen=True)
@@ -44,35 +46,54 @@ def run(files: Sequence[Path], output: Path, params: Params, run: Run) -> Outcom
 
 def cloud_artefact(files: Sequence[Path], params: Params) -> dict[str, np.ndarray]:
     """The arrays of the `cloud` artefact."""
-    import numpy as np
-
     from ipcli.models.fusion.merge import merge
 
-    units: dict[str, Path] = {}
-    maps = [read_map(path, units) for path in files]
-    poses = np.stack([m.cam_from_world for m in maps])
-    return described(merge(maps, params.merge), files, poses, next(iter(units)))
+    maps = Maps(files, held=params.merge.neighbours + SPARE)
+    return described(merge(maps, params.merge), files, maps.unit)
 
 
-def read_map(path: Path, units: dict[str, Path]) -> FusedMap:
-    """A fused map; `units` gathers the unit of the files so far, and FormatError is raised for a second one."""
+class Maps:
+    """The fused maps of files, read when they are asked for; so many of them are held."""
+
+    def __init__(self, files: Sequence[Path], held: int):
+        self._files, self.unit = files, read_unit(files)
+        self._read = lru_cache(maxsize=held)(read_map)
+
+    def __len__(self) -> int:
+        return len(self._files)
+
+    def __getitem__(self, index: int) -> FusedMap:
+        return self._read(self._files[index])
+
+
+def read_unit(files: Sequence[Path]) -> str:
+    """The unit of all files; FormatError is raised for a second one."""
+    from ipcli.io import h5
+
+    first, *others = files
+    unit = str(h5.read(first, "depth", only=lambda name: name == "unit").arrays["unit"])
+    for path in others:
+        got = str(h5.read(path, "depth", only=lambda name: name == "unit").arrays["unit"])
+        if got != unit:
+            raise FormatError(path, f"has another unit than {first}", expected=unit, got=got, fix="Fuse all in one unit")
+    return unit
+
+
+def read_map(path: Path) -> FusedMap:
+    """A fused map."""
     import numpy as np
 
     from ipcli.io import h5
     from ipcli.models.fusion.merge import FusedMap, depth_noise
 
     arrays = h5.read(path, "depth", only=lambda name: name in NEEDED).arrays
-    units.setdefault(str(arrays["unit"]), path)
-    if len(units) > 1:
-        known, first = next(iter(units.items()))
-        raise FormatError(path, f"has another unit than {first}", expected=known, got=str(arrays["unit"]), fix="Fuse all in one unit")
     depth = np.where(arrays["observations"] > 0, arrays["depth"], np.float32(np.nan))
     noise = depth_noise(depth, arrays["view_residual"], inverse=str(arrays["domain"]) != "depth")
     same = ("confidence", "observations", "normals", "intrinsics", "cam_from_world")
     return FusedMap(depth, noise=noise, image=arrays.get("image"), **{name: arrays[name] for name in same})
 
 
-def described(cloud: Cloud, files: Sequence[Path], poses: np.ndarray, unit: str) -> dict[str, np.ndarray]:
+def described(cloud: Cloud, files: Sequence[Path], unit: str) -> dict[str, np.ndarray]:
     """The cloud, and what each map gave to it."""
     import numpy as np
 
@@ -84,7 +105,7 @@ def described(cloud: Cloud, files: Sequence[Path], poses: np.ndarray, unit: str)
         "views": points.views.astype(np.uint16),
         "spacing": np.float64(cloud.spacing),
         "maps": np.array([path.name for path in files]),
-        "cam_from_world": poses,
+        "cam_from_world": cloud.cam_from_world,
         "map_points": counts[:, 0],
         "map_confirmed": counts[:, 1],
         "map_contradicted": counts[:, 2],

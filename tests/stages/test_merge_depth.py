@@ -10,6 +10,7 @@ from ipcli.cli.main import main
 from ipcli.errors import FormatError, OutputExists, ParameterError
 from ipcli.inverse.regularize.parameters import Solver
 from ipcli.io import h5, ply
+from ipcli.models.fusion.merge import merge
 from ipcli.models.fusion.parameters import Fusion, Merge
 from ipcli.params import Run
 from ipcli.stages import fuse_depth, merge_depth
@@ -64,6 +65,14 @@ def test_the_ply_holds_the_same_points_and_names_the_digest(cloud):
 def test_the_order_of_the_files_does_not_matter(files, cloud, tmp_path):
     merge_depth.run([*files[3:], *files[:4][::-1]], tmp_path / "x.ply", Params(), Run())
     assert contents(tmp_path / "x.ply") == contents(cloud)
+
+
+def test_maps_that_are_read_over_and_over_give_the_same_cloud(files):
+    few, all_at_once = merge_depth.Maps(files, held=1), [merge_depth.read_map(path) for path in files]
+    a, b = (merge(maps, Merge()) for maps in (few, all_at_once))
+    np.testing.assert_array_equal(a.points.position, b.points.position)
+    np.testing.assert_array_equal(a.counts, b.counts)
+    assert few._read.cache_info().misses > 3 * len(files)
 
 
 def test_a_second_run_is_up_to_date_and_other_parameters_are_refused(files, cloud):

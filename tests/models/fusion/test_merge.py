@@ -10,7 +10,7 @@ import pytest
 from ipcli.errors import NoSolution, ParameterError
 from ipcli.geometry.cameras import View, transform
 from ipcli.geometry.surface import normals
-from ipcli.models.fusion.merge import FusedMap, confirmed, depth_noise, merge, neighbours
+from ipcli.models.fusion.merge import FusedMap, Glance, confirmed, depth_noise, merge, neighbours
 from ipcli.models.fusion.parameters import Merge
 from tests.fusion_scenes import BALL, RADIUS, WALL, pose_at, scene
 
@@ -127,9 +127,9 @@ def test_cells_of_a_coarse_grid_hold_one_point_each():
 
 
 def test_neighbours_are_those_that_look_at_the_same_place_from_near_by():
-    several = maps(6)
-    assert neighbours(several, 0, 2) == [several[1], several[2]]
-    assert set(map(id, neighbours(several, 3, 9))) == {id(m) for m in several} - {id(several[3])}
+    places = np.stack([Glance.at(m).looks_at for m in maps(6)])
+    assert neighbours(places, 0, 2) == [1, 2]
+    assert set(neighbours(places, 3, 9)) == {0, 1, 2, 4, 5}
 
 
 def test_without_enough_maps_that_agree_there_is_no_solution():
