@@ -41,6 +41,9 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
         sure = f" with posterior {percent(float(arrays['posterior'].max()))}" if not unknown else ""
         return f"{'No known action' if unknown else answers[0]}{sure}."
     told = f"{len(answers)} {what} were named{none}."
+    if "truth_segment_clip" in arrays:
+        right, unnamed = shares_of_time(arrays)
+        return f"{told} Of the time that has a label, {percent(right)} was named right and {percent(unnamed)} none."
     if "truth" not in arrays:
         return told
     known = arrays["truth"] != ""
@@ -48,7 +51,26 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
     return f"{told} {percent(right)} of the {int(known.sum())} whose label is known were named right."
 
 
+def shares_of_time(arrays: Mapping[str, np.ndarray]) -> tuple[float, float]:
+    """Of the time that has a label, the share that its segments name right, and the share that they call none. NaN without labels."""
+    right = unnamed = total = 0.0
+    for name in dict.fromkeys(map(str, arrays["truth_segment_clip"])):
+        found = _segments(arrays, "segment", name)
+        for true in _segments(arrays, "truth_segment", name):
+            common = [(one.name, max(min(one.end, true.end) - max(one.start, true.start), 0.0)) for one in found]
+            right += sum(seconds for answer, seconds in common if answer == true.name)
+            unnamed += sum(seconds for answer, seconds in common if answer == "none")
+            total += true.end - true.start
+    return (right / total, unnamed / total) if total else (float("nan"), float("nan"))
+
+
 def _takes(arrays: Mapping[str, np.ndarray]) -> Markup:
+    lead = "Along time, the action that was recognised (bars; the darker, the surer)"
+    lead += " and the label that it has (outlines)." if "truth_segment_clip" in arrays else "."
+    return section("Segments", *timelines(arrays), lead=lead)
+
+
+def timelines(arrays: Mapping[str, np.ndarray]) -> list[Markup]:
     """A picture of lanes for each long take."""
     drawn = []
     for name in dict.fromkeys(map(str, arrays["segment_clip"])):
@@ -56,9 +78,7 @@ def _takes(arrays: Mapping[str, np.ndarray]) -> Markup:
         truth = _segments(arrays, "truth_segment", name) if "truth_segment_clip" in arrays else []
         actions = [str(action) for action in arrays["actions"]]
         drawn.append(lanes.lanes(found, truth, actions, name))
-    lead = "Along time, the action that was recognised (bars; the darker, the surer)"
-    lead += " and the label that it has (outlines)." if "truth_segment_clip" in arrays else "."
-    return section("Segments", *drawn, lead=lead)
+    return drawn
 
 
 def _segments(arrays: Mapping[str, np.ndarray], kind: str, clip: str) -> list[lanes.Segment]:

@@ -6,11 +6,17 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from ipcli.geometry.motion import heading
+from ipcli.models.mocap.features import reference_lengths, repose
 from ipcli.report.mocap_experiment import WORDS
+from tests.mocap_bodies import ACTIONS, GROUPS
+from tests.mocap_clips import clip
 
 ROOT = Path(__file__).parents[2]
 
@@ -19,6 +25,12 @@ ROOT = Path(__file__).parents[2]
 def script(monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "experiments"))
     return importlib.import_module("mocap_page")
+
+
+@pytest.fixture
+def takes(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
+    return importlib.import_module("mocap_takes")
 
 
 def test_the_printed_tables_are_read_and_their_largest_numbers_are_where_the_thesis_says(script):
@@ -41,21 +53,49 @@ def test_every_experiment_is_held_to_something_that_its_tables_have(script, name
         assert bar.goal is None or bar.goal > float(bar.bar)
 
 
+def test_a_take_goes_on_where_a_clip_ended_and_every_pose_stays_as_it_was(takes):
+    parts = [clip(action, 0, 12) for action in ACTIONS]
+    take = takes.strung(parts, GROUPS, "ann")
+    assert len(take.motion.positions) == 36 and list(take.frame_labels[[0, 11, 12, 35]]) == [parts[0].label] * 2 + [parts[1].label, parts[2].label]
+    root = take.motion.skeleton.joints.index(GROUPS.root)
+    track, facing = take.motion.positions[:, root], heading(take.motion, GROUPS)
+    for start in (12, 24):
+        np.testing.assert_allclose(track[start, [0, 2]], track[start - 1, [0, 2]], atol=1e-9)
+        np.testing.assert_allclose(facing[start], facing[start - 1], atol=1e-9)
+    for index, part in enumerate(parts):
+        mine = replace(take.motion, positions=take.motion.positions[12 * index : 12 * index + 12])
+        lengths = reference_lengths([part.motion], GROUPS)
+        np.testing.assert_allclose(repose(mine, GROUPS, lengths), repose(part.motion, GROUPS, lengths), atol=1e-9)
+
+
+@pytest.mark.slow
+def test_a_quick_look_at_takes_names_most_of_the_time_right(tmp_path):
+    folder = made(tmp_path, "takes")
+    with (folder / "index.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == 6 and all(float(row["time named right %"]) > 80 for row in rows if row["none allowed"] == "False")
+    assert all(float(row["called none %"]) == 0 for row in rows if row["none allowed"] == "False")
+    assert "take of eve" in (folder / "index.html").read_text()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["hdm05", "florence"])
 def test_a_quick_look_ends_in_a_page_and_a_table(name, tmp_path):
-    """From nothing, in a folder of its own; with data that are not there."""
-    for part in ("Makefile", "experiments", "configs", "ipcli", "pyproject.toml", "sample_data"):
-        (tmp_path / part).symlink_to(ROOT / part)
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "IPCLI_DATA": str(tmp_path / "nothing")}
-    binaries = Path(sys.executable).parent
-    command = ["make", "-o", ".venv/.installed", f"BIN={binaries}", "QUICK=1", f"experiments/mocap-{name}"]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[-2000:]
-    folder = tmp_path / "build" / "experiments" / f"mocap-{name}-quick"
+    folder = made(tmp_path, name)
     page, table = (folder / "index.html").read_text(), json.loads((folder / "index.json").read_text())
     assert "quick look" in page and "Table 5.2" in page if name == "hdm05" else "quick look" in page
     with (folder / "index.csv").open() as stream:
         rows = {(row["method"], row["split"], row["query"]): float(row["right %"]) for row in csv.DictReader(stream)}
     assert len(rows) == len(table["rows"])
     assert rows["aligned", "clips", "clips"] == 100 and rows["aligned", "frames", "frames"] > 90
+
+
+def made(place, name):
+    """What a target leaves, from nothing, in a folder of its own; with data that are not there."""
+    for part in ("Makefile", "experiments", "configs", "ipcli", "pyproject.toml", "sample_data"):
+        (place / part).symlink_to(ROOT / part)
+    environment = {**os.environ, "PYTHONPATH": str(place), "IPCLI_DATA": str(place / "nothing")}
+    command = ["make", "-o", ".venv/.installed", f"BIN={Path(sys.executable).parent}", "QUICK=1", f"experiments/mocap-{name}"]
+    done = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return place / "build" / "experiments" / f"mocap-{name}-quick"

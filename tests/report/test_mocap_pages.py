@@ -134,3 +134,15 @@ def test_a_label_that_the_model_does_not_know_gets_its_own_row(provenance):
     arrays["truth"][-1] = "dance"
     html = mocap_classify.page(arrays, provenance)
     assert html.count("n = 1<") >= 1 and ">dance</text>" in html
+
+
+def test_the_time_named_right_is_that_of_the_overlaps():
+    """Of 2 s of kick in take 0 all was named kick, of the 2 s after it 1 s none and 1 s kick; take 1 has no label."""
+    arrays = windows() | {
+        "segment_time": np.array([[0, 3.0], [3, 4], [0, 3]]),
+        "truth_segment_clip": texts("take 0", "take 0"),
+        "truth_segment_time": np.array([[0, 2.0], [2, 4]]),
+        "truth_segment_answer": texts("kick", "squat"),
+    }
+    assert mocap_classify.shares_of_time(arrays) == (0.5, 0.25)
+    assert "50 % was named right and 25 % none" in mocap_classify.page(arrays, {}).replace("\N{NO-BREAK SPACE}", " ")
