@@ -48,7 +48,7 @@ class Problem:
         groups, clips = self.motions.groups, [clip.motion for clip in self.motions.clips]
         common = features.reference_lengths([clips[index] for index in np.flatnonzero(train)], groups)
         if by == "features":
-            parts = [features.of_motion(clip, groups, common, Features()) for clip in clips]
+            parts = [features.of_motion(clip, groups, common, Features(motion=0.0)) for clip in clips]
             return [np.stack(list(part.values()), axis=1) for part in parts]
         joints = np.unique(np.concatenate(list(groups.indices(self.motions.skeleton).values())))
         own = [features.reference_lengths([clip], groups) if by == "positions" else common for clip in clips]

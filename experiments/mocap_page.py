@@ -18,7 +18,7 @@ from ipcli.report.mocap_experiment import Bar, Experiment, Printed
 
 HERE = Path(__file__).parent
 LEAD = (
-    "aligned: the defaults of mocap-train. thesis: chapter 5 as printed (configs/mocap-train/thesis.toml). known: aligned, of people who are "
+    "aligned: the defaults of mocap-train; single poses and handfuls leave out how the body moves. thesis: chapter 5 as printed (configs/mocap-train/thesis.toml). known: aligned, of people who are "
     "among those learnt from (--spread 0)."
 )
 EXPERIMENTS = {

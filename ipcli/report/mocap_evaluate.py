@@ -68,21 +68,26 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
 
 def _by_split(arrays: Mapping[str, np.ndarray]) -> Markup:
     sizes = [int(size) for size in arrays["handfuls"]]
-    frames, clips, few = (accuracy(arrays[f"{what}_confusion"]) for what in ("frame", "sequence", "handful"))
-    columns = ("Split", "Learnt from", "Recognised", "Single frames", *(_handful(size) for size in sizes), "Whole clips")
+    kinds = ("frame", "pose_frame", "handful", "pose_sequence", "sequence")
+    frames, poses, few, unordered, clips = (accuracy(arrays[f"{what}_confusion"]) for what in kinds)
+    answers = ("Single frames", "Single poses", *(_handful(size) for size in sizes), "Clips by their poses", "Whole clips")
+    columns = ("Split", "Learnt from", "Recognised", *answers)
     rows = []
     for s, name in enumerate(_texts(arrays["splits"])):
         counts = (f"{arrays[f'{part}_clips'][s]} clips, {arrays[f'{part}_frames'][s]} frames" for part in ("train", "test"))
-        rows.append((name, *counts, *(percent(float(share)) for share in (frames[s], *few[s], clips[s]))))
+        rows.append((name, *counts, *(percent(float(share)) for share in (frames[s], poses[s], *few[s], unordered[s], clips[s]))))
     if len(rows) > 1:
-        rows.append(("mean ± sd", "", "", *(mean_and_spread(shares) for shares in (frames, *few.T, clips))))
-    lead = "Share of right answers to single frames, to a handful of frames of a clip in no order, and to all frames of a clip."
+        rows.append(("mean ± sd", "", "", *(mean_and_spread(shares) for shares in (frames, poses, *few.T, unordered, clips))))
+    lead = (
+        "Share of right answers to single frames and to whole clips, and to what is known of them if only their poses are, in any order: "
+        "to single ones, to handfuls of a clip, to all of a clip."
+    )
     last = {(len(rows) - 1, column) for column in range(len(columns))} if len(rows) > 1 else ()
     return section("Right answers", table(columns, rows, bold=last), lead=lead)
 
 
 def _handful(size: int) -> str:
-    return f"{size} frames" if size > 1 else "1 frame"
+    return f"{size} poses" if size > 1 else "1 pose"
 
 
 def confusions(arrays: Mapping[str, np.ndarray]) -> Markup:

@@ -14,7 +14,9 @@ from ipcli.report.page import Markup, details, element, section, table
 from ipcli.report.page import page as document
 from ipcli.report.skeleton import bounds
 
-FRAMES, CLIPS = "frames", "clips"  # queries: single frames, whole clips; in between handfuls by their size
+FRAMES, CLIPS = "frames", "clips"  # queries: single frames, whole clips; handfuls by their size
+POSE, POSES = "pose", "poses"  # the same without what moves: a single pose, the poses of a clip in any order
+CONFUSIONS = {FRAMES: "frame_confusion", POSE: "pose_frame_confusion", POSES: "pose_sequence_confusion", CLIPS: "sequence_confusion"}
 WORDS = {
     "subjects": "some people to the others",
     "leave-one-out": "all but one to that one",
@@ -77,16 +79,16 @@ class Experiment:
 
     @property
     def queries(self) -> list[str]:
-        """Single frames, handfuls, whole clips."""
-        return [FRAMES, *map(str, self.sizes), CLIPS]
+        """Single frames, single poses, handfuls, clips of poses in any order, whole clips."""
+        return [FRAMES, POSE, *map(str, self.sizes), POSES, CLIPS]
 
     def shares(self, method: str, split: str, query: str) -> np.ndarray:
         """Share of right answers in each split (s,); empty for what was not run."""
         found = self.evaluations.get((method, split))
         if found is None:
             return np.empty(0)
-        if query in (FRAMES, CLIPS):
-            return accuracy(found["frame_confusion" if query == FRAMES else "sequence_confusion"])
+        if query in CONFUSIONS:
+            return accuracy(found[CONFUSIONS[query]])
         return accuracy(found["handful_confusion"][:, [int(size) for size in found["handfuls"]].index(int(query))])
 
     def percent(self, method: str, split: str, query: str) -> float:
@@ -102,7 +104,7 @@ class Experiment:
 
 def heading(query: str) -> str:
     """The column of a query in the tables of peers."""
-    many = {FRAMES: "single frames %", CLIPS: "whole clips %", "1": "1 frame of a clip %"}
+    many = {POSE: "single frames %", FRAMES: "single frames %", POSES: "whole clips %", CLIPS: "whole clips %", "1": "1 frame of a clip %"}
     return many.get(query, f"{query} frames of a clip %")
 
 
@@ -136,8 +138,8 @@ def _met(reached: float, bar: float, goal: float | None) -> str:
 
 
 def _asked(query: str) -> str:
-    words = {FRAMES: "single frames", CLIPS: "whole clips", "1": "1 frame of each clip"}
-    return words.get(query, f"{query} frames of each clip, in no order")
+    words = {FRAMES: "single frames", POSE: "single poses", POSES: "whole clips, poses in any order", CLIPS: "whole clips", "1": "1 pose of each clip"}
+    return words.get(query, f"{query} poses of each clip, in no order")
 
 
 def _table(e: Experiment) -> Markup:
@@ -147,11 +149,12 @@ def _table(e: Experiment) -> Markup:
         for index, method in enumerate(run):
             rows.append((WORDS[split] if not index else "", method, *(mean_and_spread(e.shares(method, split, query)) for query in e.queries)))
     lead = (
-        "Right answers to single frames, to handfuls of frames of a clip in no order, and to all frames of a clip; the mean over splits and the "
+        "Right answers to single frames and to whole clips, and to the same from poses alone, in any order; the mean over splits and the "
         "standard deviation between them. Frames at random say how well the mixtures fit, and nothing of new recordings."
     )
-    sizes = (f"{size} frame{'s' * (size > 1)} of a clip" for size in e.sizes)
-    return section("Right answers", table(("from whom to whom", "method", "single frames", *sizes, "whole clips"), rows), lead=lead)
+    sizes = (f"{size} pose{'s' * (size > 1)} of a clip" for size in e.sizes)
+    heads = ("from whom to whom", "method", "single frames", "single poses", *sizes, "clips by their poses", "whole clips")
+    return section("Right answers", table(heads, rows), lead=lead)
 
 
 def _peers(e: Experiment) -> Iterator[Markup]:
@@ -199,7 +202,7 @@ def _answers(e: Experiment) -> Iterator[Markup]:
         parts = [
             element("h3", "Single frames (thesis figure 5.3)"),
             histograms(own["frame_confusion"].sum(axis=0), own["classes"]),
-            element("h3", f"{own['handfuls'].max()} frames of a clip, in no order (in place of thesis figure 5.4)"),
+            element("h3", f"{own['handfuls'].max()} poses of a clip, in no order (in place of thesis figure 5.4)"),
             histograms(few, own["classes"]),
         ]
         yield section(f"Answers: {WORDS[split]}", *parts, lead=f"The answers to each action: {mocap_evaluate.numbered(own['classes'])}.")
@@ -241,7 +244,7 @@ def _poses(e: Experiment) -> Iterator[Markup]:
         return
     box, parts = bounds([e.model["behaviour_poses"]]), []
     for action, name in enumerate(map(str, e.model["actions"])):
-        parted = [str(group) != "body" for group in e.model["groups"]]
+        parted = [str(group) not in ("body", "motion") for group in e.model["groups"]]
         group = int(np.argmax(np.where(parted, e.model["preferences"][action], 0)))
         title = f"{name}: {e.model['groups'][group]}, {percent(float(e.model['preferences'][action, group]))} of the preferences"
         parts += [element("h3", title), mocap_train.behaviours(e.model, action, group, box, SHOWN)]

@@ -81,7 +81,7 @@ def _ranked(arrays: Mapping[str, np.ndarray], action: int, group: int) -> np.nda
 def _behaviour(arrays: Mapping[str, np.ndarray], index: int, rank: int, group: int, box: tuple[np.ndarray, np.ndarray]) -> Markup:
     poses = [pose for pose in arrays["behaviour_poses"][index] if np.isfinite(pose).any()]
     share = percent(float(arrays["behaviour_share"][index]))
-    picked = np.full(len(arrays["parents"]), str(arrays["groups"][group]) == "body")
+    picked = np.full(len(arrays["parents"]), str(arrays["groups"][group]) in ("body", "motion"))
     picked[arrays["group_members"][arrays["group_members"][:, 0] == group, 1]] = True
     return pose_figure(poses, arrays["parents"], picked, f"{rank}", share, box=box)
 

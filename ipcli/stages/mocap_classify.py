@@ -27,10 +27,11 @@ NONE = "none"
 class Params:
     """What is asked about, and how the answers of frames and groups make one."""
 
-    unordered: int = option(0, "ask about so many frames of each clip, drawn at random; 0: about all", flag="--unordered", low=0)
+    unordered: int = option(0, "ask about so many frames of each clip, drawn at random, by their poses alone; 0: about all", flag="--unordered", low=0)
     handfuls: int = option(1, "so many such draws from each clip", flag="--handfuls", low=1)
     window: float | None = option(None, "ask about a window of that length along each clip", flag="--window", low=0.0, unit="s")
     step: float | None = option(None, "from one window to the next; a quarter of the window if not given", flag="--step", low=0.0, unit="s")
+    motion: bool = option(True, "use how the parts move, where the model knows; else poses alone, in any order", flag="--motion")
     none: bool = option(True, "allow the answer that it is none of the actions", flag="--none")
     reading: Reading = field(default_factory=Reading)
     decision: Decision = field(default_factory=Decision)
@@ -88,6 +89,8 @@ def recognised(path: Path, paths: Sequence[Path], params: Params, seed: int, pro
     settings = resolve(Features, flags=stored.provenance["params"]["learning"]["features"])
     progress(0.2, "features")
     density = recognition.log_densities(model, motions.features(known, stored.arrays["lengths"], settings))
+    if params.unordered or not params.motion:
+        density = recognition.poses_alone(model, density)
     if not np.isfinite(density).any():
         raise NoSolution(f"{paths[0]}: no frame shows any group of joints whole. The model needs {', '.join(model.groups)}")
     progress(0.7, "answers")

@@ -156,54 +156,84 @@ def asked(
     features = motions.features(known, skeleton_of(known, split), params.learning.features)
     model = lesson.model(fitted)
     density = recognition.log_densities(model, {group: x[rows] for group, x in features.items()})
-    posterior, by_group = recognition.frame_posteriors(model, density, params.decision), recognition.group_posteriors(density)
-    truth, classes = actions[rows], len(model.actions)
-    shape = (classes, len(model.groups), 3)
-    seen = np.isfinite(posterior).all(axis=1)
-    return clips_and_handfuls(known, rows[seen], truth[seen], posterior[seen], params, seed, split.name) | {
+    by_group = recognition.group_posteriors(density)
+    both = {"": density, "pose_": recognition.poses_alone(model, density)}
+    asks = {kind: Questions.of(known, rows, actions[rows], recognition.frame_posteriors(model, d, params.decision)) for kind, d in both.items()}
+    found = {f"{kind}frame_confusion": one.frames() for kind, one in asks.items()}
+    found |= {f"{kind}sequence_confusion": one.sequences(params.decision) for kind, one in asks.items()}
+    return found | asks[""].clips(known, params.decision) | {
+        "handful_confusion": handfuls(asks["pose_"], params, seed, split.name),
         "train_clips": np.int64(len(np.unique(known.clip[split.train]))),
         "train_frames": np.int64(split.train.sum()),
         "test_clips": np.int64(len(np.unique(known.clip[rows]))),
         "test_frames": np.int64(len(rows)),
-        "frame_confusion": confusion(truth[seen], posterior[seen].argmax(axis=1), classes),
-        "group_frame_accuracy": np.array([group_accuracy(by_group[:, :, g], truth) for g in range(len(model.groups))]),
-        "components": np.array([counted(one) for one in fitted.values()]).reshape(shape),
+        "group_frame_accuracy": np.array([group_accuracy(by_group[:, :, g], actions[rows]) for g in range(len(model.groups))]),
+        "components": np.array([counted(one) for one in fitted.values()]).reshape(len(model.actions), len(model.groups), 3),
     }
 
 
-def clips_and_handfuls(
-    known: Motions, rows: np.ndarray, truth: np.ndarray, posterior: np.ndarray, params: Params, seed: int, split: str
-) -> dict[str, np.ndarray]:
-    """Answers to whole clips and to handfuls of their frames, those that show a group whole.
+@dataclass(frozen=True, eq=False)
+class Questions:
+    """What is asked about: frames that show a group whole, and clips. Of a clip of several actions, each action is a question by itself."""
 
-    Of a clip of several actions, each action is asked about by itself.
-    """
+    posterior: np.ndarray  # (f, a), log, of each frame
+    truth: np.ndarray  # (f,), index of its action
+    query: np.ndarray  # (f,), which question a frame is of
+    label: np.ndarray  # (q,), index of the action of each question
+    clip: np.ndarray  # (q,), index of its clip
+
+    @classmethod
+    def of(cls, known: Motions, rows: np.ndarray, truth: np.ndarray, posterior: np.ndarray) -> Questions:
+        """Those of the frames `rows` (f,) of all clips."""
+        import numpy as np
+
+        seen, actions = np.isfinite(posterior).all(axis=1), posterior.shape[1]
+        keys, query = np.unique(known.clip[rows[seen]] * actions + truth[seen], return_inverse=True)
+        return cls(posterior[seen], truth[seen], query, keys % actions, keys // actions)
+
+    def answer(self, decision: Decision, chosen: np.ndarray | slice = slice(None)) -> np.ndarray:
+        """Posterior (q, a) of each question, from all frames or the chosen ones."""
+        import numpy as np
+
+        from ipcli.models.mocap import recognition
+
+        posterior = self.posterior[chosen]
+        return recognition.answer(posterior, np.zeros(posterior.shape), self.query[chosen], len(self.label), decision).posterior
+
+    def frames(self) -> np.ndarray:
+        """Truth by answer of single frames."""
+        return confusion(self.truth, self.posterior.argmax(axis=1), self.posterior.shape[1])
+
+    def sequences(self, decision: Decision, chosen: np.ndarray | slice = slice(None)) -> np.ndarray:
+        """Truth by answer of the questions."""
+        return confusion(self.label, self.answer(decision, chosen).argmax(axis=1), self.posterior.shape[1])
+
+    def clips(self, known: Motions, decision: Decision) -> dict[str, np.ndarray]:
+        """The answer to each question."""
+        import numpy as np
+
+        posterior = self.answer(decision)
+        return {
+            "clips": np.array([known.clips[index].name for index in self.clip], np.str_),
+            "clip_truth": self.label,
+            "clip_answer": posterior.argmax(axis=1),
+            "clip_posterior": posterior.max(axis=1),
+        }
+
+
+def handfuls(asked: Questions, params: Params, seed: int, split: str) -> np.ndarray:
+    """Truth by answer (h, c, c) of handfuls of frames of each size, all draws together."""
     import numpy as np
 
     from ipcli.models.mocap import recognition
     from ipcli.rng import stream
 
-    classes = posterior.shape[1]
-    keys, query = np.unique(known.clip[rows] * classes + truth, return_inverse=True)
-    label, surprise = keys % classes, np.zeros(posterior.shape)
-    whole = recognition.answer(posterior, surprise, query, len(keys), params.decision)
-    few = []
-    for size in params.handfuls:
-        table = np.zeros((classes, classes), np.int64)
-        for draw in range(params.draws):
-            chosen = recognition.handfuls(query, size, stream(seed, "mocap-evaluate", f"{split}, {size} frames, {draw}"))
-            told = recognition.answer(posterior[chosen], surprise[chosen], query[chosen], len(keys), params.decision)
-            table += confusion(label, told.posterior.argmax(axis=1), classes)
-        few.append(table)
-    best = whole.posterior.argmax(axis=1)
-    return {
-        "sequence_confusion": confusion(label, best, classes),
-        "handful_confusion": np.array(few, np.int64).reshape(-1, classes, classes),
-        "clips": np.array([known.clips[index].name for index in keys // classes], np.str_),
-        "clip_truth": label,
-        "clip_answer": best,
-        "clip_posterior": whole.posterior.max(axis=1),
-    }
+    def of_size(size: int) -> np.ndarray:
+        rngs = (stream(seed, "mocap-evaluate", f"{split}, {size} frames, {draw}") for draw in range(params.draws))
+        return sum(asked.sequences(params.decision, recognition.handfuls(asked.query, size, rng)) for rng in rngs)
+
+    classes = asked.posterior.shape[1]
+    return np.array([of_size(size) for size in params.handfuls], np.int64).reshape(-1, classes, classes)
 
 
 def confusion(truth: np.ndarray, answer: np.ndarray, classes: int) -> np.ndarray:

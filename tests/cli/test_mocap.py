@@ -118,6 +118,10 @@ def test_the_order_of_frames_and_missing_ones_change_nothing_or_little(place, te
     assert [answer["answer"] for answer in answers] == ["kick"] * 3
     assert answers[0]["surprise"] == pytest.approx(answers[1]["surprise"])
     assert answers[2]["frames"] < answers[0]["frames"]
+    told = tell("mocap-classify", place / "model.h5", tmp_path / "c.clips.h5", "--json", "--no-motion", output="y.h5")
+    posterior = h5.read(tmp_path / "out" / "y.h5", "recognition").arrays["posterior"]
+    assert told[0] == 0
+    np.testing.assert_allclose(posterior[0], posterior[1], atol=1e-12)
 
 
 @pytest.mark.parametrize(

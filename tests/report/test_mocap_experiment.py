@@ -45,7 +45,7 @@ def test_what_is_reached_is_the_mean_over_splits_and_what_was_not_run_is_unknown
     right = 100 * (8 + 8 + 8) / (3 * 10 - 2)  # the last row has no wrong answers
     assert experiment.percent("aligned", "leave-one-out", "clips") == pytest.approx(right)
     assert np.isnan(experiment.percent("thesis", "leave-one-out", "clips"))
-    assert experiment.queries == ["frames", "20", "clips"]
+    assert experiment.queries == ["frames", "pose", "20", "poses", "clips"]
     assert experiment.splits == ["leave-one-out", "frames"]
 
 

@@ -30,6 +30,8 @@ def evaluation(splits=3):
         **{f"{part}_{what}": rng.integers(10, 99, splits) for part in ("train", "test") for what in ("clips", "frames")},
         "sequence_confusion": confusions,
         "frame_confusion": 10 * confusions,
+        "pose_sequence_confusion": confusions,
+        "pose_frame_confusion": 10 * confusions,
         "handfuls": np.array([20, 1]),
         "handful_confusion": np.stack([confusions, confusions], axis=1),
         "group_frame_accuracy": rng.random((splits, 2)),

@@ -20,7 +20,7 @@ from ipcli.inverse.bayes.chain import TRACE
 from ipcli.inverse.bayes.mixture import Fitted
 from ipcli.inverse.bayes.predictive import Predictive
 from ipcli.models.mocap import projection
-from ipcli.models.mocap.parameters import BODY, Learning
+from ipcli.models.mocap.parameters import BODY, MOTION, Learning
 from ipcli.models.mocap.projection import Projection
 
 LEAST_FRAMES = 2  # of an action that can be learnt
@@ -38,10 +38,12 @@ class Model:
 
 
 def with_body(features: Mapping[str, np.ndarray], is_wanted: bool) -> dict[str, np.ndarray]:
-    """The features of the groups, and of the group of all groups: theirs side by side."""
-    found = dict(features)
+    """The features of the groups, of the group of all groups: theirs side by side, and of motion if there are any."""
+    found = {group: x for group, x in features.items() if group != MOTION}
     if is_wanted:
-        found[BODY] = np.concatenate(list(features.values()), axis=1)
+        found[BODY] = np.concatenate(list(found.values()), axis=1)
+    if MOTION in features:
+        found[MOTION] = features[MOTION]
     return found
 
 

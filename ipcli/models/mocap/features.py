@@ -2,7 +2,8 @@
 
 `thesis`: seven numbers from the first principal direction, in the group's own mean frame, on the actor's own skeleton. `aligned`
 (the default): the group's mean position and its first principal direction, scaled by its standard deviation, in a frame that has its
-origin at the root and faces where the body faces, on a common skeleton of height 1. Each frame by itself: order plays no part.
+origin at the root and faces where the body faces, on a common skeleton of height 1. Each frame by itself: order plays no part. One
+further group, which can be left out, has how all of this changes about a frame; with it a frame still stands for itself.
 
 The printed features do not carry over to other people. The twist in the group's own mean frame does not see any motion of the whole
 group (a straight arm raised is a straight arm lowered); the bones' lengths tell who it is; and seven numbers that a unit vector of
@@ -20,19 +21,22 @@ from ipcli.errors import ParameterError
 from ipcli.geometry import lie
 from ipcli.geometry.motion import body_height, bone_lengths, heading, rotations_from_positions
 from ipcli.geometry.skeleton import NO_PARENT, Groups, Motion
-from ipcli.models.mocap.parameters import Features
+from ipcli.models.mocap.parameters import MOTION, Features
 
 
 def of_motion(motion: Motion, groups: Groups, lengths: np.ndarray, settings: Features) -> dict[str, np.ndarray]:
     """Features (f, d) float64 of each group by name, in each frame; NaN where a joint that they need was not seen.
 
-    `lengths` (j,) are the bones of the common skeleton, as `reference_lengths` gives them. Raises ParameterError for a joint that the
-    skeleton lacks, or a body without height.
+    `lengths` (j,) are the bones of the common skeleton, as `reference_lengths` gives them. Aligned ones come with the group MOTION
+    unless `settings.motion` is 0. Raises ParameterError for a joint that the skeleton lacks, or a body without height.
     """
     parts = groups.indices(motion.skeleton)
     if settings.kind == "thesis":
         return _thesis(motion, groups, parts)
-    return _aligned(motion, groups, parts, lengths, settings.rotation_weight)
+    found = _aligned(motion, groups, parts, lengths, settings.rotation_weight)
+    if settings.motion > 0:
+        found[MOTION] = _changes(motion, groups, np.concatenate(list(found.values()), axis=1), settings.motion)
+    return found
 
 
 def reference_lengths(motions: Sequence[Motion], groups: Groups) -> np.ndarray:
@@ -131,6 +135,22 @@ def _aligned(
         spreads = np.sqrt(variances)
         found[part] = np.concatenate([mean, spreads[:, :1] * directions[:, 0], spreads[:, 1:2]], axis=-1)
     return found
+
+
+def _changes(motion: Motion, groups: Groups, features: np.ndarray, reach: float) -> np.ndarray:
+    """Change (f, D + 4) a second, from `reach` seconds before a frame to as long after, or to an end of the motion.
+
+    Of the features (f, D), of the root's place in heights and of where the body faces, both seen from the frame. NaN where one of
+    the two is not known, or the motion is one frame.
+    """
+    frames = np.arange(len(features))
+    step = max(round(reach * motion.rate), 1)
+    before, after = np.maximum(frames - step, 0), np.minimum(frames + step, len(frames) - 1)
+    frame = heading(motion, groups)
+    root = motion.positions[:, motion.skeleton.indices([groups.root], groups.source)[0]] / height(motion, groups)
+    moved, ahead = (np.einsum("fji,fj->fi", frame, x[after] - x[before]) for x in (root, frame[:, :, 2]))
+    change = np.concatenate([features[after] - features[before], moved, ahead[:, :1]], axis=1)
+    return change * motion.rate / np.where(after > before, after - before, np.nan)[:, None]
 
 
 def _turns(rotations: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ from ipcli.inverse.bayes.parameters import Mixture
 from ipcli.params import option
 
 BODY = "body"  # the group of all groups
+MOTION = "motion"  # the group of how all of it changes
 
 
 @dataclass(frozen=True)
@@ -19,10 +20,17 @@ class Features:
     )
     rotation_weight: float = option(0.0, "length that a turn by one radian counts as (aligned); 0: positions alone", low=0.0, unit="heights")
     body: bool = option(True, "a group more: all groups together")
+    motion: float = option(
+        0.2,
+        "a group more: how all of it changes from so long before a frame to so long after (aligned); 0: poses alone",
+        flag="--motion",
+        low=0.0,
+        unit="s",
+    )
     projection: str = option("within", "coordinates: within (an action's spread is the unit) or standard", choices=("within", "standard"))
     shrinkage: float = option(0.2, "share of a sphere in an action's spread (within)", low=0.0, high=1.0)
     dimensions: int = option(8, "most dimensions of a group (within)", low=1)
-    body_dimensions: int = option(20, "most dimensions of the group of all groups (within)", low=1)
+    body_dimensions: int = option(20, "most dimensions of the groups of all groups and of motion (within)", low=1)
 
 
 @dataclass(frozen=True)
@@ -48,8 +56,9 @@ class Decision:
         flag="--rule",
         choices=("product", "mean", "preferences"),
     )
-    power: float = option(0.4, "power of a group in the product", low=0.0)
-    body_power: float = option(0.5, "power of the group of all groups in the product", low=0.0)
+    power: float = option(0.2, "power of a group in the product", low=0.0)
+    body_power: float = option(0.3, "power of the group of all groups in the product", low=0.0)
+    motion_power: float = option(0.7, "power of the group of motion in the product", low=0.0)
     preference: str = option("corrected", "normaliser of (5.12)", choices=("corrected", "printed"))
     prior_successes: float = option(1.0, "kappa of (5.12), of every group", low=0.0)
     evidence: float = option(10.0, "independent frames that a clip counts as, at most; neighbours say the same", low=1.0)

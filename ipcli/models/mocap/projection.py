@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipcli.models.mocap.parameters import BODY, Features
+from ipcli.models.mocap.parameters import BODY, MOTION, Features
 
 LEAST_SPREAD = 1e-6  # of the widest direction: narrower ones are rounding
 
@@ -27,7 +27,7 @@ def fit(x: np.ndarray, actions: np.ndarray, group: str, settings: Features) -> P
     """The projection for features x (n, D), finite, of actions (n,) int."""
     if settings.projection == "standard":
         return _standard(x)
-    return _within(x, actions, settings.shrinkage, settings.body_dimensions if group == BODY else settings.dimensions)
+    return _within(x, actions, settings.shrinkage, settings.body_dimensions if group in (BODY, MOTION) else settings.dimensions)
 
 
 def _standard(x: np.ndarray) -> Projection:

@@ -10,7 +10,7 @@ import numpy as np
 from ipcli.errors import ParameterError
 from ipcli.models.mocap import preferences
 from ipcli.models.mocap.behaviours import Model, with_body
-from ipcli.models.mocap.parameters import BODY, Decision
+from ipcli.models.mocap.parameters import BODY, MOTION, Decision
 
 NONE = -1  # the answer "none of these"
 CHUNK = 65536  # frames at a time, whose coordinates are in memory
@@ -42,6 +42,11 @@ def log_densities(model: Model, features: Mapping[str, np.ndarray]) -> np.ndarra
             for a in range(len(model.actions)):
                 found[rows, a, g] = model.predictives[a][g].log_density(points)
     return found
+
+
+def poses_alone(model: Model, log_density: np.ndarray) -> np.ndarray:
+    """The densities (f, a, g) as if no frame told what comes before it or after: those of MOTION not known."""
+    return np.where(np.array(model.groups) == MOTION, np.nan, log_density)
 
 
 def group_posteriors(log_density: np.ndarray) -> np.ndarray:
@@ -79,12 +84,13 @@ def preference(model: Model, decision: Decision) -> np.ndarray:
 
 
 def _powers(groups: tuple[str, ...], decision: Decision) -> np.ndarray:
-    return np.array([decision.body_power if group == BODY else decision.power for group in groups])
+    own = {BODY: decision.body_power, MOTION: decision.motion_power}
+    return np.array([own.get(group, decision.power) for group in groups])
 
 
 def surprises(model: Model, log_density: np.ndarray, decision: Decision) -> np.ndarray:
-    """How unlike each action each frame is, (f, a): minus the log density of a dimension, the mean over the groups seen."""
-    seen = np.isfinite(log_density).all(axis=1)
+    """How unlike each action each pose is, (f, a): minus the log density of a dimension, the mean over the groups seen but MOTION."""
+    seen = np.isfinite(poses_alone(model, log_density)).all(axis=1)
     size = np.array([project.matrix.shape[1] for project in model.projections])
     total = -np.where(seen[:, None], log_density, 0.0).sum(axis=2)
     known = seen @ size

@@ -10,13 +10,16 @@ from scipy.spatial.transform import Rotation
 
 from ipcli.errors import ParameterError
 from ipcli.geometry import lie
+from ipcli.geometry.motion import heading
 from ipcli.models.mocap import features
-from ipcli.models.mocap.parameters import Features
+from ipcli.models.mocap.parameters import MOTION, Features
 from tests.mocap_bodies import GROUPS, NAMES, OFFSETS, SKELETON, motion, poses
 
-ALIGNED, TURNS, THESIS = Features(), Features(rotation_weight=0.1), Features(kind="thesis")
+ALIGNED, TURNS, THESIS = Features(motion=0.0), Features(rotation_weight=0.1, motion=0.0), Features(kind="thesis")
+MOVING = Features(motion=0.1)
 ALL = pytest.mark.parametrize("settings", [ALIGNED, TURNS, THESIS], ids=["aligned", "turns", "thesis"])
-CARRIES_OVER = pytest.mark.parametrize("settings", [ALIGNED, TURNS], ids=["aligned", "turns"])
+EVERY = pytest.mark.parametrize("settings", [ALIGNED, TURNS, THESIS, MOVING], ids=["aligned", "turns", "thesis", "moving"])
+CARRIES_OVER = pytest.mark.parametrize("settings", [ALIGNED, TURNS, MOVING], ids=["aligned", "turns", "moving"])
 LENGTHS = features.reference_lengths([motion(np.tile(np.eye(3), (1, len(NAMES), 1, 1)))], GROUPS)
 
 
@@ -36,7 +39,7 @@ def test_seven_numbers_a_group_and_a_frame(settings):
     assert all(np.isfinite(part).all() for part in found.values())
 
 
-@ALL
+@EVERY
 @given(turn=st.floats(-3, 3), x=st.floats(-9, 9), z=st.floats(-9, 9))
 def test_where_one_stands_and_faces_makes_no_difference(settings, turn, x, z):
     moved = poses(6, 2)
@@ -174,6 +177,58 @@ def test_a_common_skeleton_has_its_bones_and_every_pose_its_directions():
         bone, own = posed[:, joint] - posed[:, parent], moved.positions[:, joint] - moved.positions[:, parent]
         np.testing.assert_allclose(np.linalg.norm(bone, axis=1), LENGTHS[joint], rtol=1e-9)
         np.testing.assert_allclose(bone[:, 1] / LENGTHS[joint], own[:, 1] / np.linalg.norm(own, axis=1), atol=1e-9)  # up stays up
+
+
+def change(moved, reach=0.1):
+    return features.of_motion(moved, GROUPS, LENGTHS, Features(motion=reach))[MOTION]
+
+
+def test_what_is_known_of_poses_does_not_depend_on_whether_motion_is_asked_for():
+    moved = poses(6, 14)
+    whole = features.of_motion(moved, GROUPS, LENGTHS, MOVING)
+    for group, part in features.of_motion(moved, GROUPS, LENGTHS, ALIGNED).items():
+        np.testing.assert_array_equal(whole.pop(group), part)
+    assert list(whole) == [MOTION]
+
+
+def test_a_body_that_glides_and_turns_evenly_changes_by_that_alone():
+    """Half a height a second forward as it faces, and a turn of a radian a second; the pose stays."""
+    still = poses(1, 15)
+    time, tall = np.arange(41) / 100, features.height(still, GROUPS)
+    turns = Rotation.from_euler("y", time[:, None]).as_matrix()
+    forward = heading(still, GROUPS)[0, :, 2]
+    glides = replace(still, positions=still.positions.repeat(41, axis=0) + 0.5 * tall * time[:, None, None] * forward, rotations=None, rate=100.0)
+    found = change(glides)
+    np.testing.assert_allclose(found, np.broadcast_to([*np.zeros(len(GROUPS.parts) * 7), 0, 0, 0.5, 0], found.shape), atol=1e-9)
+    spins = replace(glides, positions=np.einsum("fab,jb->fja", turns, still.positions[0] - still.positions[0, 0]))
+    np.testing.assert_allclose(change(spins)[:, -4:], spun(41), atol=1e-9)
+
+
+def spun(frames):
+    """A turn of a radian a second, as seen 0.1 s before and after, or at an end from the frame itself."""
+    before, after = np.minimum(np.arange(frames), 10) / 100, np.minimum(np.arange(frames)[::-1], 10) / 100
+    return np.stack([*np.zeros((3, frames)), (np.sin(after) + np.sin(before)) / (after + before)], axis=1)
+
+
+def test_backwards_all_changes_the_other_way():
+    moved = poses(12, 16)
+    back = replace(moved, positions=moved.positions[::-1], rotations=moved.rotations[::-1])
+    np.testing.assert_allclose(change(back), -change(moved)[::-1], atol=1e-9)
+
+
+def test_the_rate_of_the_recording_makes_no_difference_to_a_change_a_second():
+    moved = replace(poses(21, 17), rate=60.0)
+    every_other = replace(moved, positions=moved.positions[::2], rotations=moved.rotations[::2], rate=30.0)
+    np.testing.assert_allclose(change(every_other), change(moved)[::2], atol=1e-9)
+
+
+def test_of_a_single_frame_or_beside_an_unknown_one_no_change_is_known():
+    moved = replace(poses(9, 18), rate=10.0)
+    assert np.isnan(change(replace(moved, positions=moved.positions[:1], rotations=moved.rotations[:1]))).all()
+    hidden = moved.positions.copy()
+    hidden[4, NAMES.index("left_hand")] = np.nan
+    known = np.isfinite(change(replace(moved, positions=hidden))).all(axis=1)
+    np.testing.assert_array_equal(known, [True, True, True, False, True, False, True, True, True])
 
 
 def test_a_body_without_height_is_refused():

@@ -10,7 +10,7 @@ from ipcli.errors import ParameterError
 from ipcli.inverse.bayes.parameters import Mixture
 from ipcli.inverse.bayes.predictive import Predictive
 from ipcli.models.mocap import behaviours, features, recognition
-from ipcli.models.mocap.parameters import Decision, Features, Learning
+from ipcli.models.mocap.parameters import MOTION, Decision, Features, Learning
 from ipcli.models.mocap.recognition import NONE
 from tests.mocap_bodies import ACTIONS, GROUPS, acted, poses
 
@@ -107,6 +107,17 @@ def test_a_frame_that_shows_nothing_has_no_say(learnt, asked):
     np.testing.assert_allclose(answer.posterior[0], alone.posterior[0])
     np.testing.assert_allclose(answer.posterior[1], 1 / len(NAMES))
     assert answer.action[1] == NONE and np.isnan(answer.surprise[1])
+
+
+@RULES
+def test_poses_alone_are_what_a_model_that_knows_no_motion_says(learnt, asked, rule):
+    density = recognition.log_densities(learnt, asked[0])
+    alone = recognition.frame_posteriors(learnt, recognition.poses_alone(learnt, density), Decision(rule=rule))
+    still = {group: np.full_like(x, np.nan) if group == MOTION else x for group, x in asked[0].items()}
+    np.testing.assert_array_equal(alone, recognition.frame_posteriors(learnt, recognition.log_densities(learnt, still), Decision(rule=rule)))
+    assert np.abs(alone - recognition.frame_posteriors(learnt, density, Decision(rule=rule))).max() > 0.01
+    strange = (recognition.surprises(learnt, d, Decision()) for d in (density, recognition.poses_alone(learnt, density)))
+    np.testing.assert_allclose(*strange)
 
 
 def test_more_frames_say_more_up_to_the_evidence_of_a_clip():
