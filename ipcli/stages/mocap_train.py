@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ipcli.errors import ParameterError
-from ipcli.models.mocap.parameters import BODY, Decision, Learning
+from ipcli.models.mocap.parameters import BODY, MOTION, Decision, Learning
 from ipcli.params import Run, option
 from ipcli.stages import motions
 from ipcli.stages.checkpoint import Checkpoint
@@ -232,7 +232,7 @@ def groups_of(arrays: Mapping[str, np.ndarray], source: str) -> Groups:
     parts = {name: tuple(joints[j] for g, j in arrays["group_members"] if g == index) for index, name in enumerate(names)}
     lists = {role: tuple(map(str, arrays[role])) for role in ("left", "right", "bottom")}
     single = {role: str(arrays[role]) for role in ("root", "top")}
-    kept = {name: members for name, members in parts.items() if name != BODY}
+    kept = {name: members for name, members in parts.items() if name not in (BODY, MOTION)}
     return Groups(kept, **single, **lists, up=tuple(map(float, arrays["up"])), source=source)
 
 

@@ -111,7 +111,7 @@ def features(motions: Motions, lengths: np.ndarray, settings: Features) -> dict[
     from ipcli.models.mocap.features import of_motion
 
     each = [of_motion(clip.motion, motions.groups, lengths, settings) for clip in motions.clips]
-    return {group: np.concatenate([one[group] for one in each]) for group in motions.groups.parts}
+    return {group: np.concatenate([one[group] for one in each]) for group in each[0]}
 
 
 def poses(motions: Motions, lengths: np.ndarray) -> np.ndarray:
