@@ -1,7 +1,7 @@
 """Ours, and what a user might take instead to name the action of a clip: each a `fit` on clips and labels and an answer to clips.
 
-A clip is an array (n, j, 3) of joint positions, from the root and turned to face one way; for ours (n, g, 7), the features of each group
-of joints. Those that work frame by frame give `frame_scores`, a list of (n, classes) log probabilities; the others name whole clips only.
+A clip is an array (n, j, 3) of joint positions, from the root and turned to face one way; for ours (n, w), the features of all
+groups side by side. Those that work frame by frame give `frame_scores`, a list of (n, classes) log probabilities; the others name whole clips only.
 DMW (Gong & Medioni), which the thesis compares with, is not among them because no code of it is public: DTW-1NN stands in for it.
 """
 
@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+
+from benchmarks.mocap_problem import by_group
 
 Clips = Sequence[np.ndarray]
 
@@ -136,12 +138,12 @@ class Behaviours(FrameWise):
 
         self.classes, action = np.unique(labels, return_inverse=True)
         actions = np.repeat(action, [len(clip) for clip in clips])
-        self.model = behaviours.train(by_group(clips), actions, tuple(self.classes), self.settings, np.random.default_rng(0))
+        self.model = behaviours.train(by_group(np.concatenate(clips)), actions, tuple(self.classes), self.settings, np.random.default_rng(0))
 
     def frame_scores(self, clips: Clips) -> list[np.ndarray]:
         from ipcli.models.mocap import recognition
 
-        density = recognition.log_densities(self.model, by_group(clips))
+        density = recognition.log_densities(self.model, by_group(np.concatenate(clips)))
         posterior = recognition.frame_posteriors(self.model, density, self.decision)
         known = np.where(np.isfinite(posterior), posterior, 0.0)  # a frame that shows no group whole says nothing
         return np.split(known, np.cumsum([len(clip) for clip in clips])[:-1])
@@ -160,7 +162,7 @@ class Variational(Behaviours):
         self.classes, action = np.unique(labels, return_inverse=True)
         actions = np.repeat(action, [len(clip) for clip in clips])
         rows = behaviours.draw_frames(actions, len(self.classes), self.settings, np.random.default_rng(0))
-        features = {group: x[rows] for group, x in behaviours.with_body(by_group(clips), True).items()}
+        features = {group: x[rows] for group, x in behaviours.with_body(by_group(np.concatenate(clips)), True).items()}
         projections = behaviours.fit_projections(features, actions[rows], self.settings)
         cells = [[self._density(project(features[group])[actions[rows] == a]) for group, project in projections.items()] for a in range(len(self.classes))]
         alpha = np.ones((len(self.classes), len(projections)))
@@ -181,14 +183,16 @@ class Variational(Behaviours):
         return of_others(whole, self.settings.spread)
 
 
-OURS = "behaviours (ours)"
+OURS, POSES = "behaviours (ours)", "behaviours (ours), poses alone"
+SPREADS = (0.1, 0.3, 0.6)
 DTW = "DTW-1NN (stands in for DMW)"
 SKELETONS = ("positions", "reposed")  # the actor's own, or the common one
 METHODS: dict[str, tuple[type, tuple[dict[str, Any], ...]]] = {  # class and the grid of its settings; `by`: what describes a frame
-    OURS: (Behaviours, tuple(dict(by="features", spread=spread) for spread in (0.1, 0.3, 0.6))),
+    OURS: (Behaviours, tuple(dict(by="motion", spread=spread) for spread in SPREADS)),
+    POSES: (Behaviours, tuple(dict(by="poses", spread=spread) for spread in SPREADS)),
     "scikit-learn mixture in place of ours": (
         Variational,
-        tuple(dict(by="features", components=count, spread=spread) for count in (5, 10, 20) for spread in (0.1, 0.3, 0.6)),
+        tuple(dict(by="motion", components=count, spread=spread) for count in (5, 10, 20) for spread in SPREADS),
     ),
     "k-NN of frames": (NearestFrames, tuple(dict(by=by, k=k) for by in SKELETONS for k in (1, 5, 15, 50))),
     "shrinkage LDA of frames": (
@@ -211,12 +215,6 @@ METHODS: dict[str, tuple[type, tuple[dict[str, Any], ...]]] = {  # class and the
     "MiniRocket": (MiniRocket, tuple(dict(by=by, length=length) for by in SKELETONS for length in (32, 64, 128))),
 }
 NEEDS = {DTW: "aeon", "MiniRocket": "aeon"}  # all others scikit-learn
-
-
-def by_group(clips: Clips) -> dict[str, np.ndarray]:
-    """The frames of clips (n, g, 7) of all clips together, (m, 7) of each group."""
-    frames = np.concatenate(clips)
-    return {f"group {index}": frames[:, index] for index in range(frames.shape[1])}
 
 
 def flat(clip: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.models.mocap import features
-from ipcli.models.mocap.parameters import Features
+from ipcli.models.mocap.parameters import MOTION, Features
 from ipcli.stages.motions import Motions, Reading, read
 
 RATE = 30.0  # Hz
@@ -36,7 +36,8 @@ class Problem:
 
     def described(self, by: str, train: np.ndarray) -> list[np.ndarray]:
         """Each clip (n, j, 3) by `positions` on the actor's own skeleton of height 1, or by `reposed` ones on the common skeleton of the
-        clips train (c,) bool; or (n, g, 7) by `features` of each group of joints. Positions are from the root, facing one way.
+        clips train (c,) bool, from the root and facing one way; or by ours (n, w): the features of all groups of joints side by side, of
+        `poses` alone or with their `motion`.
         """
         key = (by, b"" if by == "positions" else np.packbits(train).tobytes())
         if key not in self._known:
@@ -47,12 +48,27 @@ class Problem:
     def _describe(self, by: str, train: np.ndarray) -> list[np.ndarray]:
         groups, clips = self.motions.groups, [clip.motion for clip in self.motions.clips]
         common = features.reference_lengths([clips[index] for index in np.flatnonzero(train)], groups)
-        if by == "features":
-            parts = [features.of_motion(clip, groups, common, Features(motion=0.0)) for clip in clips]
-            return [np.stack(list(part.values()), axis=1) for part in parts]
+        if by in ("poses", "motion"):
+            settings = Features() if by == "motion" else Features(motion=0.0)
+            return [np.concatenate(list(features.of_motion(clip, groups, common, settings).values()), axis=1) for clip in clips]
         joints = np.unique(np.concatenate(list(groups.indices(self.motions.skeleton).values())))
         own = [features.reference_lengths([clip], groups) if by == "positions" else common for clip in clips]
         return [filled(features.repose(clip, groups, lengths)[:, joints]) for clip, lengths in zip(clips, own, strict=True)]
+
+
+def by_group(frames: np.ndarray) -> dict[str, np.ndarray]:
+    """What `described` set side by side (n, w): (n, 7) of each group of joints, and (n, 7 g + 4) of their motion if that is there."""
+    groups = frames.shape[1] // 14 if frames.shape[1] % 7 else frames.shape[1] // 7
+    found = {f"group {index}": frames[:, 7 * index : 7 * index + 7] for index in range(groups)}
+    return found | ({MOTION: frames[:, 7 * groups :]} if frames.shape[1] > 7 * groups else {})
+
+
+def loose(frames: np.ndarray) -> np.ndarray:
+    """The same frames when nothing is known of what came before them and after: their motion is NaN."""
+    found = frames.copy()
+    if frames.ndim == 2 and frames.shape[1] % 7:
+        found[:, 7 * (frames.shape[1] // 14) :] = np.nan
+    return found
 
 
 def filled(positions: np.ndarray) -> np.ndarray:

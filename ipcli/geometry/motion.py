@@ -78,9 +78,13 @@ def rotations_from_positions(skeleton: Skeleton, positions: np.ndarray) -> np.nd
 def bone_lengths(motion: Motion) -> np.ndarray:
     """Median length (j,) in metres of the bone from the parent to each joint over the frames that show both; 0 of a root."""
     lengths = np.zeros(len(motion.skeleton.joints))
-    for parent, joint in motion.skeleton.bones():
-        length = np.linalg.norm(motion.positions[:, joint] - motion.positions[:, parent], axis=-1)
-        lengths[joint] = np.median(length[np.isfinite(length)]) if np.isfinite(length).any() else np.nan
+    parents, joints = motion.skeleton.bones().T
+    found = np.linalg.norm(motion.positions[:, joints] - motion.positions[:, parents], axis=-1)
+    found.sort(axis=0)  # what is not known comes last
+    known = np.isfinite(found).sum(axis=0)
+    bone = np.arange(len(joints))
+    middle = (found[(known - 1) // 2, bone] + found[known // 2 % len(found), bone]) / 2
+    lengths[joints] = np.where(known > 0, middle, np.nan)
     return lengths
 
 

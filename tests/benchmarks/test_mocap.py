@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from benchmarks import mocap_methods, mocap_peers
-from benchmarks.mocap_problem import filled, open_problem
+from benchmarks.mocap_problem import by_group, filled, loose, open_problem
+from ipcli.models.mocap.parameters import MOTION
 from tests.mocap_bodies import ACTIONS, GROUPS
 from tests.mocap_clips import clip, write
 
@@ -17,11 +18,11 @@ NAMES = ("walk", "kick", "squat")
 
 @pytest.fixture
 def lessons():
-    """Clips (n, 2, 7) of three actions that differ in where they are and along which coordinates they move, and their labels."""
+    """Clips (n, 14) of three actions that differ in where they are and along which coordinates they move, and their labels."""
     rng = np.random.default_rng(3)
     labels, place = np.repeat(NAMES, 8), np.repeat(np.arange(3), 8)
-    wide = np.where(np.arange(14).reshape(2, 7) % 3 == np.arange(3)[:, None, None], 2.0, 0.3)
-    return [rng.normal(6 * at, wide[at], (15, 2, 7)) for at in place], labels
+    wide = np.where(np.arange(14) % 3 == np.arange(3)[:, None], 2.0, 0.3)
+    return [rng.normal(6 * at, wide[at], (15, 14)) for at in place], labels
 
 
 def skip_without(name):
@@ -61,7 +62,19 @@ def test_the_common_skeleton_is_that_of_the_people_learnt_from(tmp_path, monkeyp
     by = [problem.described("reposed", train)[0] for train in (first, second)]
     assert np.abs(by[0] - by[1]).max() > 1e-3
     np.testing.assert_array_equal(problem.described("positions", first)[0], problem.described("positions", second)[0])
-    assert problem.described("features", first)[0].shape[1:] == (len(GROUPS.parts), 7) and len(problem.splits) == 2
+    assert len(problem.splits) == 2
+
+
+def test_features_side_by_side_are_told_apart_and_loose_frames_have_no_motion(tmp_path, monkeypatch):
+    monkeypatch.setattr("ipcli.io.groups.find", lambda name, skeleton: GROUPS)
+    known = open_problem(write(tmp_path / "x.clips.h5", [clip(ACTION, actor) for actor in range(2)]), published=False)
+    both, alone = (known.described(by, np.ones(2, bool))[0] for by in ("motion", "poses"))
+    parts = by_group(both)
+    assert [part.shape[1] for part in parts.values()] == [7] * len(GROUPS.parts) + [7 * len(GROUPS.parts) + 4] and MOTION in parts
+    assert {name: part for name, part in by_group(alone).items()}.keys() == parts.keys() - {MOTION}
+    np.testing.assert_array_equal(np.concatenate(list(by_group(alone).values()), axis=1), alone)
+    np.testing.assert_array_equal(loose(alone), alone)
+    np.testing.assert_array_equal(np.isnan(loose(both)), np.arange(both.shape[1])[None] >= alone.shape[1] + np.zeros((len(both), 1)))
 
 
 def test_protocols_never_share_people_and_choose_on_development_actors_alone(tmp_path, monkeypatch):
