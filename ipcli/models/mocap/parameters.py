@@ -61,5 +61,5 @@ class Decision:
     motion_power: float = option(0.7, "power of the group of motion in the product", low=0.0)
     preference: str = option("corrected", "normaliser of (5.12)", choices=("corrected", "printed"))
     prior_successes: float = option(1.0, "kappa of (5.12), of every group", low=0.0)
-    evidence: float = option(10.0, "independent frames that a clip counts as, at most; neighbours say the same", low=1.0)
+    evidence: float = option(2.0, "independent frames that a clip counts as, at most; neighbours say the same", low=1.0)
     reject: float = option(0.99, "share of the clips learnt from that must be named rather than called none", low=0.0, high=1.0)
