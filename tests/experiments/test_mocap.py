@@ -49,7 +49,7 @@ def test_every_experiment_is_held_to_something_that_its_tables_have(script, name
     bars = script.read_bars(name)
     assert name in script.EXPERIMENTS and bars
     for bar in bars:
-        assert bar.split in WORDS and bar.query in ("frames", "clips", "20", "5", "1")
+        assert bar.split in WORDS and bar.query in ("frames", "pose", "poses", "clips", "20", "5", "1")
         assert bar.goal is None or bar.goal > float(bar.bar)
 
 
