@@ -107,7 +107,7 @@ def parted(known: Motions, params: Params, seed: int) -> list[Split]:
     from ipcli.rng import stream
 
     labels, clip = known.labels, known.clip
-    frames = splits.Frames(clip, np.array([one.label for one in known.clips], np.str_), known.actors)
+    frames = splits.Frames(clip, np.array([one.label for one in known.clips], np.str_), known.actors, labels)
     people = tuple(np.unique(known.actors))
     test, repeats = params.test or people[1::2], params.repeats if params.split in ("clips", "frames") else 1
     found = []

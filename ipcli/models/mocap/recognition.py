@@ -78,9 +78,14 @@ def frame_posteriors(model: Model, log_density: np.ndarray, decision: Decision) 
 
 
 def preference(model: Model, decision: Decision) -> np.ndarray:
-    """The preference matrix W (a, g) of (5.12)."""
+    """The preference matrix W (a, g) of (5.12). Raises ParameterError where the printed form does not give weights."""
     rule = preferences.corrected if decision.preference == "corrected" else preferences.printed
-    return rule(model.alpha, decision.prior_successes)
+    weights = rule(model.alpha, decision.prior_successes)
+    bad = ~(np.isfinite(weights) & (weights >= 0)).all(axis=1)
+    if bad.any():
+        name = model.actions[int(bad.argmax())]
+        raise ParameterError(f"(5.12) as printed gives no weights for '{name}': its denominator or a success is not positive. Take the corrected form")
+    return weights
 
 
 def _powers(groups: tuple[str, ...], decision: Decision) -> np.ndarray:

@@ -33,6 +33,7 @@ class Frames:
     clip: np.ndarray  # (n,) int, of each frame
     label: np.ndarray  # (c,) str, of each clip
     actor: np.ndarray  # (c,) str, of each clip
+    action: np.ndarray | None = None  # (n,) str, of each frame, where that is not the label of its clip
 
 
 def make(
@@ -67,9 +68,9 @@ def make(
 
 def random_frames(frames: Frames, rng: np.random.Generator) -> Split:
     """As in the thesis: of each action 800 frames at random, at most half of them; all others are test. It leaks."""
-    action = frames.label[frames.clip]
+    action = frames.label[frames.clip] if frames.action is None else frames.action
     train = np.zeros(len(action), bool)
-    for name in np.unique(frames.label):
+    for name in np.unique(action):
         rows = np.flatnonzero(action == name)
         train[rng.permutation(rows)[: min(MOST_FRAMES, len(rows) // 2)]] = True
     return Split("random frames", train, ~train)

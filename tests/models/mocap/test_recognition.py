@@ -1,5 +1,7 @@
 """What was generated is recognised; posteriors are posteriors; order and missing groups do what they should."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -225,3 +227,10 @@ def test_printed_features_can_be_learnt_too():
     decision = Decision(rule="preferences")
     posterior = recognition.frame_posteriors(model, recognition.log_densities(model, x), decision)
     assert (posterior.argmax(axis=1) == action).mean() > 0.5  # of frames that were learnt from; by chance 0.33
+
+
+def test_preferences_that_are_no_weights_are_refused(learnt):
+    few = replace(learnt, alpha=np.full(learnt.alpha.shape, 0.4))
+    with pytest.raises(ParameterError, match="no weights for 'wave'"):
+        recognition.preference(few, Decision(preference="printed"))
+    assert (recognition.preference(few, Decision()) >= 0).all()

@@ -94,3 +94,10 @@ def test_what_cannot_be_split_is_refused():
         splits.make("leave-one-actor-out", alone, np.random.default_rng(0))
     with pytest.raises(ParameterError, match="nothing to test on"):
         splits.make("one-actor", alone, np.random.default_rng(0))
+
+
+def test_random_frames_of_a_take_are_drawn_of_each_of_its_actions():
+    action = np.repeat(["", "a", "b"], [100, 6, 50])
+    take = splits.Frames(np.zeros(156, int), np.array([""]), np.array(["x"]), action)
+    found = splits.make("random-frames", take, np.random.default_rng(0))[0]
+    assert {name: int(found.train[action == name].sum()) for name in ("a", "b")} == {"a": 3, "b": 25}
