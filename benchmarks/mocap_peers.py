@@ -1,7 +1,7 @@
 """Who is recognised best: behaviours against what a user might take instead, on the same splits and frames, in one run.
 
     python -m benchmarks.mocap_peers --clips build/experiments/mocap-hdm05/all.clips.h5 --name hdm05 --development bd,bk,dg
-    python -m benchmarks.mocap_peers --clips build/experiments/mocap-florence/all.clips.h5 --name florence --published
+    python -m benchmarks.mocap_peers --clips build/experiments/mocap-florence/all.clips.h5 --name florence --published --mirror
 
 Every method takes the setting of its declared grid that is best on the development actors (leave one out among them) or on the
 development splits; all else is reported once at that setting.
@@ -84,11 +84,13 @@ def queries(problem: Problem, split: Split, kind: str | int) -> Iterator[tuple[i
 def measure(problem: Problem, name: str, setting: dict[str, Any], split: Split, kinds: Sequence[str | int]) -> dict[str, float]:
     """Seconds to learn and to answer for the whole clips, and the share of right answers of each kind of question."""
     setting = dict(setting)
-    clips = problem.described(setting.pop("by"), split.train)
+    by, mirror = setting.pop("by"), setting.pop("mirror", False)
+    clips = problem.described(by, split.train)
+    images = [problem.described(by, split.train, mirror=True)] if mirror else []
     method = METHODS[name][0](**setting)
     train = np.flatnonzero(split.train)
     started = time.perf_counter()
-    method.fit([clips[i] for i in train], problem.labels[train])
+    method.fit([shown[i] for shown in (clips, *images) for i in train], np.tile(problem.labels[train], 1 + len(images)))
     found = {"train s": time.perf_counter() - started}
     for kind in kinds:
         asked = list(queries(problem, split, kind))
@@ -118,11 +120,12 @@ def over(problem: Problem, name: str, setting: dict[str, Any], splits: Sequence[
     return {key: float(values.mean()) for key, values in table.items()} | spread
 
 
-def judged(clips: str, name: str, development: list[str], spared: int) -> dict[str, Any]:
+def judged(clips: str, name: str, development: list[str], spared: int, mirror: bool = False) -> dict[str, Any]:
     """The best setting of a method and its figures on every protocol, in this process."""
     problem = open_problem(Path(clips), published=bool(spared))
     chosen, reported = protocols(problem, development, spared)
     grid = METHODS[name][1]
+    grid = tuple(setting | {"mirror": mirror} for mirror in (False, True) for setting in grid) if mirror else grid
     _warm_up(problem, name, grid[0])
     tried = [over(problem, name, setting, chosen, ("whole", HANDFULS[0])) for setting in grid]
     best = max(range(len(grid)), key=lambda index: (round(tried[index]["whole"], 3), tried[index][str(HANDFULS[0])]))
@@ -166,6 +169,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--development", default="", help="actors to choose settings on, such as bd,bk,dg")
     parser.add_argument("--published", action="store_true", help="take the splits that came with the data")
     parser.add_argument("--development-splits", type=int, default=3, help="of the published splits, so many to choose settings on")
+    parser.add_argument("--mirror", action="store_true", help="let every method learn the mirror image of each clip as well, if that is better")
     parser.add_argument("--methods", nargs="*", default=list(METHODS), help="only these")
     parser.add_argument("--output", type=Path, default=OUTPUT)
     given = parser.parse_args(arguments)
@@ -176,7 +180,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             say(f"{name}: {NEEDS.get(name, 'sklearn')} is not installed, skipped")
             continue
         say(name)
-        question = {"clips": str(given.clips.resolve()), "name": name, "development": development, "spared": spared}
+        question = {"clips": str(given.clips.resolve()), "name": name, "development": development, "spared": spared, "mirror": given.mirror}
         found[name] = isolated("benchmarks.mocap_peers:judged", 1, **question)
     stem = given.name or given.clips.name.split(".")[0]
     tables = {protocol: rows(found, protocol) for protocol in next(iter(found.values()))["figures"]}

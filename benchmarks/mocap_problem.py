@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ipcli.geometry.motion import mirrored
 from ipcli.models.mocap import features
 from ipcli.models.mocap.parameters import MOTION, Features
 from ipcli.stages.motions import Motions, Reading, read
@@ -22,7 +23,7 @@ class Problem:
     labels: np.ndarray  # (c,) str
     actors: np.ndarray  # (c,) str
     splits: list[np.ndarray]  # (c,) 1 learn, 2 recognise, 0 neither
-    _known: dict[tuple[str, bytes], list[np.ndarray]] = field(default_factory=dict)
+    _known: dict[tuple[str, bytes], dict[bool, list[np.ndarray]]] = field(default_factory=dict)
 
     @property
     def lengths(self) -> np.ndarray:
@@ -34,20 +35,24 @@ class Problem:
         """The actions, in order."""
         return np.unique(self.labels)
 
-    def described(self, by: str, train: np.ndarray) -> list[np.ndarray]:
-        """Each clip (n, j, 3) by `positions` on the actor's own skeleton of height 1, or by `reposed` ones on the common skeleton of the
+    def described(self, by: str, train: np.ndarray, mirror: bool = False) -> list[np.ndarray]:
+        """Each clip, or with `mirror` its mirror image, (n, j, 3) by `positions` on the actor's own skeleton of height 1, or by `reposed` ones on the common skeleton of the
         clips train (c,) bool, from the root and facing one way; or by ours (n, w): the features of all groups of joints side by side, of
         `poses` alone or with their `motion`.
         """
         key = (by, b"" if by == "positions" else np.packbits(train).tobytes())
         if key not in self._known:
             self._known.clear()
-            self._known[key] = self._describe(by, train)
-        return self._known[key]
+            self._known[key] = {}
+        found = self._known[key]
+        if mirror not in found:
+            found[mirror] = self._describe(by, train, mirror)
+        return found[mirror]
 
-    def _describe(self, by: str, train: np.ndarray) -> list[np.ndarray]:
+    def _describe(self, by: str, train: np.ndarray, mirror: bool) -> list[np.ndarray]:
         groups, clips = self.motions.groups, [clip.motion for clip in self.motions.clips]
         common = features.reference_lengths([clips[index] for index in np.flatnonzero(train)], groups)
+        clips = [mirrored(clip, groups) for clip in clips] if mirror else clips
         if by in ("poses", "motion"):
             settings = Features() if by == "motion" else Features(motion=0.0)
             return [np.concatenate(list(features.of_motion(clip, groups, common, settings).values()), axis=1) for clip in clips]

@@ -62,6 +62,15 @@ def _turn(rotations: np.ndarray, before: np.ndarray, after: np.ndarray, share: n
     return turned
 
 
+def mirrored(motion: Motion, groups: Groups) -> Motion:
+    """What a mirror shows: left and right change places. Rotations stay rotations. Raises ParameterError as Groups.images does."""
+    images = groups.images(motion.skeleton)
+    flip = np.ones(3)
+    flip[np.abs(groups.up).argmin()] = -1.0
+    rotations = None if motion.rotations is None else motion.rotations[:, images] * np.multiply.outer(flip, flip)
+    return replace(motion, positions=motion.positions[:, images] * flip, rotations=rotations)
+
+
 def rotations_from_positions(skeleton: Skeleton, positions: np.ndarray) -> np.ndarray:
     """world_from_bone (f, j, 3, 3) of positions (f, j, 3): the smallest rotations from the world's x axis onto the bones (thesis 5.1).
 

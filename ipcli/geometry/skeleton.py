@@ -115,6 +115,26 @@ class Groups:
             skeleton.indices(names, self.source)
         return {part: skeleton.indices(names, f"{self.source}: group '{part}'") for part, names in self.parts.items()}
 
+    def images(self, skeleton: Skeleton) -> np.ndarray:
+        """Index (j,) of the joint that stands for each one in a mirror.
+
+        Left and right are told by the lists of those names and by parts named left_X and right_X, joint by joint, and by what these
+        hang from. All others, those that no part reaches included, stand for themselves. ParameterError where the skeleton is not alike on both sides.
+        """
+        parts = self.indices(skeleton)
+        pairs = [*zip(skeleton.indices(self.left, self.source), skeleton.indices(self.right, self.source), strict=True)]
+        for name in parts:
+            if name.startswith("left_"):
+                pairs += zip(parts[name], parts.get(name.replace("left_", "right_", 1), ()), strict=False)
+        found = {}
+        for left, right in pairs:
+            chains = skeleton.path(int(left)), skeleton.path(int(right))
+            both = list(zip(*chains, strict=False))
+            if len({*map(len, chains)}) > 1 or any(found.setdefault(a, b) != b or found.setdefault(b, a) != a for a, b in both):
+                one, other = (skeleton.joints[joint] for joint in (left, right))
+                raise ParameterError(f"{self.source}: '{one}' and '{other}' are no mirror images. List the joints of left_X and right_X alike")
+        return np.array([found.get(joint, joint) for joint in range(len(skeleton.joints))], np.int64)
+
 
 def forward_kinematics(
     skeleton: Skeleton, rotations: np.ndarray, translations: np.ndarray

@@ -68,19 +68,20 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
 
 def _by_split(arrays: Mapping[str, np.ndarray]) -> Markup:
     sizes = [int(size) for size in arrays["handfuls"]]
-    kinds = ("frame", "pose_frame", "handful", "pose_sequence", "sequence")
-    frames, poses, few, unordered, clips = (accuracy(arrays[f"{what}_confusion"]) for what in kinds)
-    answers = ("Single frames", "Single poses", *(_handful(size) for size in sizes), "Clips by their poses", "Whole clips")
-    columns = ("Split", "Learnt from", "Recognised", *answers)
+    kinds = ("sequence", "frame", "pose_sequence", "handful", "pose_frame")
+    clips, frames, unordered, few, poses = (accuracy(arrays[f"{what}_confusion"]) for what in kinds)
+    shares = (clips, frames, unordered, *few.T, poses)
+    answers = ("Whole clips", "Single frames", "Clips by their poses", *(_handful(size) for size in sizes), "Single poses")
+    columns = ("Split", *answers, "Learnt from", "Recognised")
     rows = []
     for s, name in enumerate(_texts(arrays["splits"])):
         counts = (f"{arrays[f'{part}_clips'][s]} clips, {arrays[f'{part}_frames'][s]} frames" for part in ("train", "test"))
-        rows.append((name, *counts, *(percent(float(share)) for share in (frames[s], poses[s], *few[s], unordered[s], clips[s]))))
+        rows.append((name, *(percent(float(share[s])) for share in shares), *counts))
     if len(rows) > 1:
-        rows.append(("mean ± sd", "", "", *(mean_and_spread(shares) for shares in (frames, poses, *few.T, unordered, clips))))
+        rows.append(("mean ± sd", *(mean_and_spread(share) for share in shares), "", ""))
     lead = (
-        "Share of right answers to single frames and to whole clips, and to what is known of them if only their poses are, in any order: "
-        "to single ones, to handfuls of a clip, to all of a clip."
+        "Share of right answers to whole clips and to single frames with what moves about them; then to poses alone, in any order: all of a "
+        "clip, handfuls of a clip drawn at random, single ones."
     )
     last = {(len(rows) - 1, column) for column in range(len(columns))} if len(rows) > 1 else ()
     return section("Right answers", table(columns, rows, bold=last), lead=lead)

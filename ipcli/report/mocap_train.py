@@ -24,7 +24,10 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     actions, groups = arrays["actions"], arrays["groups"]
     doubtful = int((arrays["r_hat"] > TRUSTED).sum())
     cells = len(actions) * len(groups)
-    text = f"the chains of {doubtful} of {cells} mixtures have not come to agree (R-hat above {TRUSTED}). The recognition averages over what they found; for the number of behaviours give more sweeps, --set learning.mixture.sweeps=1000"
+    text = (
+        f"the number of behaviours of {doubtful} of {cells} mixtures has not settled (R-hat above {TRUSTED}). Recognition does not need it "
+        "to; for numbers to rely on give more sweeps and chains: --set learning.mixture.sweeps=1000 --set learning.mixture.chains=4"
+    )
     return document(
         f"Behaviours of {len(actions)} actions in {len(groups)} groups",
         "ipcli mocap-train",
@@ -93,7 +96,7 @@ def _preferences(arrays: Mapping[str, np.ndarray]) -> Markup:
         for name, line in zip(arrays["actions"], arrays["preferences"], strict=True)
     ]
     best = {(row, int(line.argmax()) + 1) for row, line in enumerate(arrays["preferences"])}
-    lead = "How much each group counts for each action (W of 5.12); its strongest group in bold."
+    lead = "How much each group counts for each action by --rule preferences (W of 5.12); the strongest in bold."
     return section("Preferences", table(("Action", *map(str, arrays["groups"])), rows, bold=best), lead=lead)
 
 
@@ -107,9 +110,10 @@ def _chains(arrays: Mapping[str, np.ndarray]) -> Markup:
     for a, name in enumerate(map(str, arrays["actions"])):
         rows.append((name, *(f"{number(r_hat[a, g], 3)}, {ess[a, g]:.0f}" for g in range(r_hat.shape[1]))))
     chains, sweeps = arrays["trace_clusters"].shape[:2]
+    many = f"{chains} chains of {sweeps} sweeps each" if chains > 1 else f"One chain of {sweeps} sweeps"
     lead = (
-        f"{chains} chains of {sweeps} sweeps each. Above, the number of clusters along the chains that agree least; below, R-hat (1 when the chains "
-        "agree) and the effective number of independent draws, both of the number of clusters."
+        f"{many}. Above, the number of clusters along the sweeps of the mixtures that have settled least; below, R-hat (1 when the halves of all "
+        "chains agree) and the effective number of independent draws, both of the number of clusters."
     )
     diagnostics = details("R-hat and effective draws of every mixture", table(("Action", *map(str, arrays["groups"])), rows))
     return section("Chains", element("div", *plots, class_="plots"), diagnostics, lead=lead)

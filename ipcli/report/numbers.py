@@ -64,6 +64,8 @@ def percent(share: float) -> str:
         return DASH
     if 0.9995 <= share < 1:
         return ">\N{NO-BREAK SPACE}99.9\N{NO-BREAK SPACE}%"
+    if 0 < share < 1e-5:
+        return "<\N{NO-BREAK SPACE}0.001\N{NO-BREAK SPACE}%"
     return f"{number(100 * share)}\N{NO-BREAK SPACE}%"
 
 

@@ -27,6 +27,7 @@ NONE = "none"
 class Params:
     """What is asked about, and how the answers of frames and groups make one."""
 
+    actors: tuple[str, ...] = option((), "ask about clips of these people only, with commas; none given: of all", flag="--actors")
     unordered: int = option(0, "ask about so many frames of each clip, drawn at random, by their poses alone; 0: about all", flag="--unordered", low=0)
     handfuls: int = option(1, "so many such draws from each clip", flag="--handfuls", low=1)
     window: float | None = option(None, "ask about a window of that length along each clip", flag="--window", low=0.0, unit="s")
@@ -111,12 +112,12 @@ def recognised(path: Path, paths: Sequence[Path], params: Params, seed: int, pro
 
 
 def asked(arrays: Mapping[str, np.ndarray], path: Path, paths: Sequence[Path], params: Params) -> Motions:
-    """The clips to recognise, of the skeleton of the model."""
+    """The clips to recognise, of the people asked for and of the skeleton of the model."""
     from ipcli.geometry.skeleton import Skeleton
     from ipcli.stages.mocap_train import groups_of
 
     skeleton = Skeleton(tuple(map(str, arrays["joints"])), tuple(map(int, arrays["parents"])))
-    return motions.read(paths, params.reading, groups_of(arrays, path.name), skeleton)
+    return motions.of_people(motions.read(paths, params.reading, groups_of(arrays, path.name), skeleton), params.actors)
 
 
 def posed(known: Motions, params: Params, seed: int) -> Queries:

@@ -78,7 +78,8 @@ def evaluation(paths: Sequence[Path], params: Params, run: Run, work: Checkpoint
     if len(names) < 2:
         raise ParameterError(f"{paths[0]}: {len(names)} actions have labels; there is nothing to tell apart. Give clips of at least two")
     splits = parted(known, params, run.seed)
-    lessons = {split.name: lesson(known, split, names, actions, params, run.seed) for split in splits}
+    taught = motions.to_learn(known, params.learning.mirror)
+    lessons = {split.name: lesson(known, taught, split, names, actions, params, run.seed) for split in splits}
     points = {f"{split}: {cell}": x for split, one in lessons.items() for cell, x in one.points.items()}
     fitted = learn(points, params.learning, run, work, progress)
     tables = []
@@ -127,12 +128,15 @@ def published(splits: Mapping[str, np.ndarray], only: Sequence[str]) -> dict[str
     return {name: splits[name] for name in wanted}
 
 
-def lesson(known: Motions, split: Split, names: tuple[str, ...], actions: np.ndarray, params: Params, seed: int) -> Lesson:
-    """What a split learns from; the common skeleton too is that of its people alone."""
+def lesson(
+    known: Motions, taught: Motions, split: Split, names: tuple[str, ...], actions: np.ndarray, params: Params, seed: int
+) -> Lesson:
+    """What a split learns from, mirror images included if `taught` has them; the common skeleton too is that of its people alone."""
     import numpy as np
 
-    features = motions.features(known, skeleton_of(known, split), params.learning.features)
-    return Lesson.of(features, np.where(split.train, actions, -1), names, params.learning, seed, split.name)
+    features = motions.features(taught, skeleton_of(known, split), params.learning.features)
+    learnt = np.resize(np.where(split.train, actions, -1), len(taught.clip))
+    return Lesson.of(features, learnt, names, params.learning, seed, split.name)
 
 
 def skeleton_of(known: Motions, split: Split) -> np.ndarray:

@@ -62,15 +62,18 @@ def run(paths: Sequence[Path], output: Path, params: Params, run: Run, progress:
 
 def model_artefact(paths: Sequence[Path], params: Params, run: Run, work: Checkpoint, progress: Progress) -> dict[str, np.ndarray]:
     """The arrays of the `behaviours` artefact."""
+    import numpy as np
+
     from ipcli.models.mocap import behaviours, recognition
     from ipcli.models.mocap.features import reference_lengths
 
     known = chosen(motions.read(paths, params.reading, params.groups), params)
     lengths = reference_lengths([clip.motion for clip in known.clips], known.groups)
     names, actions = numbered(known.labels)
-    features = motions.features(known, lengths, params.learning.features)
-    lesson = Lesson.of(features, actions, names, params.learning, run.seed)
-    trials = rehearsals(known, actions, params, run.seed)
+    taught = motions.to_learn(known, params.learning.mirror)
+    features = motions.features(taught, lengths, params.learning.features)
+    lesson = Lesson.of(features, np.resize(actions, len(taught.clip)), names, params.learning, run.seed)
+    trials = rehearsals(known, taught, params, run.seed)
     lessons = {"": lesson} | {trial: one.lesson for trial, one in trials.items()}
     points = {f"{trial}{cell}": x for trial, one in lessons.items() for cell, x in one.points.items()}
     found = learn(points, params.learning, run, work, progress)
@@ -84,7 +87,7 @@ def model_artefact(paths: Sequence[Path], params: Params, run: Run, work: Checkp
         | {"surprise": held_out_surprises(tried, trials, known, actions, params), **_counts(known, actions, names)}
         | {"preferences": recognition.preference(model, params.decision)}
         | diagnosed(lesson, fitted)
-        | drawn(lesson, fitted, motions.poses(known, lengths))
+        | drawn(lesson, fitted, motions.poses(taught, lengths))
     )
 
 
@@ -94,14 +97,12 @@ def chosen(known: Motions, params: Params) -> Motions:
 
     from ipcli.geometry.cameras import position
 
-    people, labels = tuple(dict.fromkeys(map(str, known.actors))), tuple(sorted({*map(str, known.labels)} - {""}))
-    actors = {people[position(people, name, "actor")] for name in params.actors} or {*people}
+    known = motions.of_people(known, params.actors)
+    labels = tuple(sorted({*map(str, known.labels)} - {""}))
     actions = {labels[position(labels, name, "action")] for name in params.actions} or {*labels}
     if not actions:
         raise ParameterError("none of the clips has a label to learn. Name them by a manifest (ipcli import-clips --manifest) or by folders")
-    kept = [number for number, clip in enumerate(known.clips) if clip.actor in actors]
-    splits = {name: entries[kept] for name, entries in known.splits.items()}
-    return replace(known, clips=tuple(_only(known.clips[number], actions) for number in kept), splits=splits)
+    return replace(known, clips=tuple(_only(clip, actions) for clip in known.clips))
 
 
 def _only(clip: Any, actions: set[str]) -> Any:
@@ -241,14 +242,14 @@ class Rehearsal:
     """A lesson from a part of the clips."""
 
     taught: np.ndarray  # (c,) bool, the clips
-    features: Mapping[str, np.ndarray]  # (n, D) of each group, of all clips, on the common skeleton of those that teach
+    features: Mapping[str, np.ndarray]  # (n, D) of each group, of all clips and then of mirror images, on the common skeleton of those that teach
     lesson: Lesson
 
 
-def rehearsals(known: Motions, actions: np.ndarray, params: Params, seed: int) -> dict[str, Rehearsal]:
+def rehearsals(known: Motions, taught: Motions, params: Params, seed: int) -> dict[str, Rehearsal]:
     """Lessons from one half of the people each, or of the clips of a single one, to see how strange the other half looks.
 
-    They take a part of the frames only. An action that one half does not show cannot be judged from it.
+    `taught` as `to_learn` gives it of the clips `known`. They take a part of the frames only. An action that one half does not show cannot be judged from it.
     """
     from dataclasses import replace
 
@@ -257,9 +258,9 @@ def rehearsals(known: Motions, actions: np.ndarray, params: Params, seed: int) -
     from ipcli.models.mocap.features import reference_lengths
 
     settings = replace(params.learning, frames=max(params.learning.frames // REHEARSAL, 2))
-    found = {}
+    actions, found = numbered(taught.labels)[1], {}
     for number, half in enumerate(halves(known), 1):
-        learnt = np.where(half[known.clip], actions, -1)
+        learnt = np.where(np.resize(half[known.clip], len(actions)), actions, -1)
         shown = [action for action in range(int(actions.max()) + 1) if (learnt == action).sum() > 1]
         if shown:
             names = tuple(numbered(known.labels)[0][action] for action in shown)
@@ -267,7 +268,7 @@ def rehearsals(known: Motions, actions: np.ndarray, params: Params, seed: int) -
             for index, action in enumerate(shown):
                 own[learnt == action] = index
             lengths = reference_lengths([known.clips[clip].motion for clip in np.flatnonzero(half)], known.groups)
-            features = motions.features(known, lengths, settings.features)
+            features = motions.features(taught, lengths, settings.features)
             lesson = Lesson.of(features, own, names, settings, seed, f"half {number}")
             found[f"half {number}: "] = Rehearsal(half, features, lesson)
     return found

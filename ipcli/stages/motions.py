@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ipcli.errors import FormatError
+from ipcli.errors import FormatError, ParameterError
 from ipcli.params import option
 from ipcli.stages.import_clips import Source, open_source
 
@@ -73,7 +73,7 @@ def read(paths: Sequence[Path], reading: Reading, groups: str | Groups, skeleton
     """The clips at `paths`, one source after the other; `groups` as io.groups.find takes them, or found already.
 
     Raises FormatError for clips of another skeleton than the first's, or than `skeleton` if given, for two clips of one name, and
-    what io.clips.open_clips raises.
+    what io.clips.open_clips raises; ParameterError for a body without height.
     """
     from ipcli.geometry.motion import resample_clip
     from ipcli.io.groups import find
@@ -91,7 +91,38 @@ def read(paths: Sequence[Path], reading: Reading, groups: str | Groups, skeleton
     for clip in clips:
         if known.setdefault(clip.name, clip) is not clip:
             raise FormatError(paths[-1], f"clip '{clip.name}' is there twice", fix="Give each source once, clips names of their own")
-    return Motions(tuple(clips), find(groups, skeleton) if isinstance(groups, str) else groups, splits)
+    groups = find(groups, skeleton) if isinstance(groups, str) else groups
+    for clip in clips:
+        _check_height(clip, groups)
+    return Motions(tuple(clips), groups, splits)
+
+
+def of_people(motions: Motions, names: Sequence[str]) -> Motions:
+    """The clips of these people, of all if none is named. Raises ParameterError for one of whom there is no clip."""
+    from ipcli.geometry.cameras import position
+
+    people = tuple(dict.fromkeys(map(str, motions.actors)))
+    wanted = {people[position(people, name, "actor")] for name in names} or {*people}
+    kept = [number for number, clip in enumerate(motions.clips) if clip.actor in wanted]
+    splits = {name: entries[kept] for name, entries in motions.splits.items()}
+    return replace(motions, clips=tuple(motions.clips[number] for number in kept), splits=splits)
+
+
+def to_learn(motions: Motions, mirror: bool) -> Motions:
+    """The clips, with `mirror` followed by the mirror image of each, which has its labels and actor. Splits are left behind."""
+    from ipcli.geometry.motion import mirrored
+
+    images = [replace(clip, motion=mirrored(clip.motion, motions.groups)) for clip in motions.clips] if mirror else []
+    return replace(motions, clips=(*motions.clips, *images), splits={})
+
+
+def _check_height(clip: Clip, groups: Groups) -> None:
+    from ipcli.models.mocap.features import height
+
+    try:
+        height(clip.motion, groups)
+    except ParameterError as error:
+        raise ParameterError(f"clip '{clip.name}': {error}") from None
 
 
 def _check_skeleton(path: Path, found: Skeleton, expected: Skeleton) -> None:

@@ -1,6 +1,7 @@
 """The comparison of methods that recognise actions, from end to end, and the pieces that its figures rest on."""
 
 import json
+from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from benchmarks import mocap_methods, mocap_peers
 from benchmarks.mocap_problem import by_group, filled, loose, open_problem
+from ipcli.geometry.motion import mirrored
 from ipcli.models.mocap.parameters import MOTION
 from tests.mocap_bodies import ACTIONS, GROUPS
 from tests.mocap_clips import clip, write
@@ -63,6 +65,19 @@ def test_the_common_skeleton_is_that_of_the_people_learnt_from(tmp_path, monkeyp
     assert np.abs(by[0] - by[1]).max() > 1e-3
     np.testing.assert_array_equal(problem.described("positions", first)[0], problem.described("positions", second)[0])
     assert len(problem.splits) == 2
+
+
+@pytest.mark.parametrize("name, by", [("k-NN of frames", "reposed"), (mocap_methods.OURS, "motion")])
+def test_mirror_images_of_what_is_learnt_from_teach_the_other_hand(tmp_path, monkeypatch, name, by):
+    if name != mocap_methods.OURS:
+        skip_without(name)
+    monkeypatch.setattr("ipcli.io.groups.find", lambda name, skeleton: GROUPS)
+    clips = [clip(action, actor) for action in ACTIONS for actor in range(3)]
+    clips = [replace(one, motion=mirrored(one.motion, GROUPS)) if one.actor == "cyd" else one for one in clips]
+    problem = open_problem(write(tmp_path / "x.clips.h5", clips), published=False)
+    setting, split = {"by": by} | ({"k": 1} if by == "reposed" else {"spread": 0.3}), mocap_peers.subjects(problem.actors, ["ann", "bob"])
+    one, both = (mocap_peers.measure(problem, name, setting | {"mirror": mirror}, split, ("whole",)) for mirror in (False, True))
+    assert both["frames"] > one["frames"] + 0.1 and both["whole"] == 1
 
 
 def test_features_side_by_side_are_told_apart_and_loose_frames_have_no_motion(tmp_path, monkeypatch):

@@ -11,9 +11,10 @@ import pytest
 
 from ipcli import schema
 from ipcli.cli.main import main, mocap_classify, mocap_train
+from ipcli.geometry.motion import mirrored
 from ipcli.geometry.skeleton import Clip, Motion, Skeleton
 from ipcli.io import h5
-from tests.mocap_bodies import ACTIONS
+from tests.mocap_bodies import ACTIONS, GROUPS
 from tests.mocap_clips import QUICK, clip, every, take, write, write_groups
 
 
@@ -163,6 +164,102 @@ def test_an_evaluation_of_some_people_actions_and_splits_is_of_those_alone(place
     fails(told, 2, "no published split 'frist'", "'first'")
 
 
+@pytest.fixture(scope="module")
+def still(place):
+    """A model of the same people that knows poses alone."""
+    assert mocap_train([str(place / "all.clips.h5"), *model_options(place, "still.h5"), "--motion", "0"]) == 0
+    return place / "still.h5"
+
+
+def posteriors(tell, tmp_path, *arguments):
+    """The posteriors that mocap-classify gives."""
+    assert tell("mocap-classify", *arguments, output="p.h5")[0] == 0
+    found = h5.read(tmp_path / "out" / "p.h5", "recognition").arrays["posterior"]
+    (tmp_path / "out" / "p.h5").unlink()
+    return found
+
+
+def test_a_model_without_motion_answers_by_poses_alone(place, still, tell, tmp_path):
+    """Clips, takes and single frames, as it does when told to."""
+    stored = h5.read(still, "behaviours")
+    assert stored.provenance["params"]["learning"]["features"]["motion"] == 0 and "motion" not in stored.arrays["groups"]
+    clips = write(tmp_path / "dan.clips.h5", [one for one in every() if one.actor == "dan"])
+    for asked, options in ((clips, []), (write(tmp_path / "take.clips.h5", [take()]), ["--window", "0.5"])):
+        told = posteriors(tell, tmp_path, still, asked, *options)
+        np.testing.assert_array_equal(told, posteriors(tell, tmp_path, still, asked, *options, "--no-motion"))
+    names = json.loads(tell("mocap-classify", still, clips, "--json")[1])["answers"]
+    assert all(answer["clip"].startswith(answer["answer"]) for answer in names)
+
+
+def test_motion_is_turned_off_by_a_flag_by_the_environment_and_by_a_file_alike(place, still, tmp_path, monkeypatch):
+    options = [str(place / "all.clips.h5"), *model_options(place)[2:]]
+    (tmp_path / "poses.toml").write_text("[learning.features]\nmotion = 0.0\n")
+    assert mocap_train([*options, "-o", str(tmp_path / "file.h5"), "--config", str(tmp_path / "poses.toml")]) == 0
+    monkeypatch.setenv("IPCLI_LEARNING__FEATURES__MOTION", "0")
+    assert mocap_train([*options, "-o", str(tmp_path / "environment.h5")]) == 0
+    assert (tmp_path / "file.h5").read_bytes() == (tmp_path / "environment.h5").read_bytes() == still.read_bytes()
+
+
+def test_a_single_frame_is_a_clip_whose_motion_is_not_known(place, still, tell, tmp_path):
+    whole = clip("bow", 3)
+    one = replace(whole.motion, positions=whole.motion.positions[12:13], rotations=whole.motion.rotations[12:13])
+    asked = write(tmp_path / "one.clips.h5", [replace(whole, motion=one)])
+    for model in (place / "model.h5", still):
+        answer = json.loads(tell("mocap-classify", model, asked, "--json", output=f"{model.stem}.h5")[1])["answers"][0]
+        assert (answer["answer"], answer["frames"]) == ("bow", 1)
+        np.testing.assert_array_equal(posteriors(tell, tmp_path, model, asked), posteriors(tell, tmp_path, model, asked, "--no-motion"))
+
+
+def test_an_evaluation_without_motion_is_that_of_poses(place, tell, tmp_path):
+    options = ["--groups", place / "groups.toml", "--split", "subjects", "--motion", "0", *QUICK]
+    assert tell("mocap-evaluate", place / "all.clips.h5", *options)[0] == 0
+    found = h5.read(tmp_path / "out" / "x.h5", "evaluation").arrays
+    assert "motion" not in found["groups"] and found["group_frame_accuracy"].shape == (1, len(found["groups"]))
+    for what in ("frame", "sequence"):
+        np.testing.assert_array_equal(found[f"{what}_confusion"], found[f"pose_{what}_confusion"])
+    assert np.trace(found["sequence_confusion"][0]) > 0.9 * found["sequence_confusion"].sum()
+
+
+@pytest.fixture(scope="module")
+def both(place):
+    """A model of the same people that learnt their mirror images too."""
+    assert mocap_train([str(place / "all.clips.h5"), *model_options(place, "both.h5"), "--mirror"]) == 0
+    return place / "both.h5"
+
+
+def test_what_was_learnt_of_one_hand_is_known_of_the_other_with_mirror_images_alone(place, both, tell, tmp_path):
+    """All waved with the right hand; now one waves with the left, and one kicks with the other leg."""
+    left = [replace(one, name=f"{one.name}_left", motion=mirrored(one.motion, GROUPS)) for one in (clip("wave", 3), clip("kick", 3))]
+    asked = write(tmp_path / "left.clips.h5", left)
+    models = (both, place / "model.h5")
+    knows, does_not = (json.loads(tell("mocap-classify", model, asked, "--json", output=model.name)[1])["answers"] for model in models)
+    assert [answer["answer"] for answer in knows] == ["wave", "kick"]
+    assert all(one["surprise"] < 0.8 * other["surprise"] for one, other in zip(knows, does_not, strict=True))
+    found, plain = (h5.read(model, "behaviours").arrays for model in models)
+    for name in ("frames", "clips", "actors"):
+        np.testing.assert_array_equal(found[name], plain[name])
+    assert len(found["surprise"]) == len(plain["surprise"])
+
+
+def test_an_evaluation_learns_mirror_images_and_asks_about_none(place, tell, tmp_path):
+    clips = [one if one.actor in ("ann", "cyd") else replace(one, motion=mirrored(one.motion, GROUPS)) for one in every()]
+    asked = write(tmp_path / "hands.clips.h5", clips)
+    told = {}
+    for name, more in (("both", ["--mirror"]), ("one", [])):
+        assert tell("mocap-evaluate", asked, "--groups", place / "groups.toml", *more, *QUICK, output=f"{name}.h5")[0] == 0
+        told[name] = h5.read(tmp_path / "out" / f"{name}.h5", "evaluation").arrays
+        assert (told[name]["train_frames"], told[name]["test_frames"]) == (288, 288)
+    right = {name: np.trace(found["frame_confusion"][0]) / 288 for name, found in told.items()}
+    assert right["both"] > 0.9 and right["both"] > right["one"] + 0.1
+
+
+def test_only_the_people_that_are_asked_for_are_recognised(place, tell):
+    code, out, _ = tell("mocap-classify", place / "model.h5", place / "all.clips.h5", "--actors", "dan,bob", "--json")
+    assert code == 0 and {answer["clip"].split("_")[1] for answer in json.loads(out)["answers"]} == {"dan", "bob"}
+    told = tell("mocap-classify", place / "model.h5", place / "all.clips.h5", "--actors", "don", output="y.h5")
+    fails(told, 2, "no actor 'don'", "'dan'")
+
+
 def renamed(motion, name="spine"):
     joints = tuple(name if joint == "chest" else joint for joint in motion.skeleton.joints)
     return replace(motion, skeleton=Skeleton(joints, motion.skeleton.parents))
@@ -189,6 +286,42 @@ def test_an_action_of_one_frame_is_named(place, tell, tmp_path):
     clips = [*every(repeats=1), replace(clip("bow", 0, frames=1), name="tiny", label="nod")]
     told = tell("mocap-train", write(tmp_path / "tiny.clips.h5", clips), "--groups", place / "groups.toml", *QUICK)
     fails(told, 2, "nod", "1 frame")
+
+
+def changed(motion, joint, value):
+    """The motion with a joint somewhere else."""
+    positions = motion.positions.copy()
+    positions[:, motion.skeleton.joints.index(joint)] = value(positions)
+    return replace(motion, positions=positions, rotations=None)
+
+
+def test_a_joint_that_is_never_seen_spoils_its_groups_by_name(place, tell, tmp_path):
+    """For learning; recognition goes on with the other groups, and says so when none is left."""
+    lost = [replace(one, motion=changed(one.motion, "left_hand", lambda x: np.nan)) for one in every(repeats=1)]
+    asked = write(tmp_path / "lost.clips.h5", lost)
+    fails(tell("mocap-train", asked, "--groups", place / "groups.toml", *QUICK), 2, "'left_arm'", "in no frame", "groups file")
+    told = tell("mocap-classify", place / "model.h5", asked, "--json", "--actors", "dan")
+    assert told[0] == 0 and all(answer["clip"].startswith(answer["answer"]) for answer in json.loads(told[1])["answers"])
+    for one in lost:  # now a side of the body in turn: which way it faces is not known
+        for frame, positions in enumerate(one.motion.positions):
+            side = ("left", "right")[frame % 2]
+            positions[[one.motion.skeleton.joints.index(f"{side}_{joint}") for joint in ("hip", "shoulder")]] = np.nan
+    fails(tell("mocap-classify", place / "model.h5", write(tmp_path / "gone.clips.h5", lost), output="y.h5"), 3, "gone.clips.h5", "no frame shows")
+
+
+def test_bones_without_length_are_no_body(place, tell, tmp_path):
+    clips = every(repeats=1)
+    flat = [*clips[:-1], replace(clips[-1], name="dot", motion=replace(clips[-1].motion, positions=clips[-1].motion.positions * 0 + 1.0, rotations=None))]
+    asked = write(tmp_path / "flat.clips.h5", flat)
+    for command, first in (("mocap-train", []), ("mocap-classify", [place / "model.h5"])):
+        groups = [] if first else ["--groups", place / "groups.toml"]
+        fails(tell(command, *first, asked, *groups, output=f"{command}.h5"), 2, "clip 'dot'", "the body has no height")
+
+
+def test_a_joint_that_the_groups_file_makes_up_is_named(place, tell, tmp_path):
+    text = (place / "groups.toml").read_text().replace("'left_foot'", "'left_fot'")
+    (tmp_path / "wrong.toml").write_text(text)
+    fails(tell("mocap-train", place / "all.clips.h5", "--groups", tmp_path / "wrong.toml"), 2, "wrong.toml", "no joint 'left_fot'", "'left_foot'")
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ipcli.errors import ParameterError
 from ipcli.geometry import lie, motion
 from ipcli.geometry.skeleton import Clip, Groups, Motion, Skeleton, forward_kinematics
+from tests.mocap_bodies import GROUPS as BODY
+from tests.mocap_bodies import OFFSETS, poses
 
 SKELETON = Skeleton(("head", "root", "left", "right", "foot"), (1, -1, 1, 1, 2))
 GROUPS = Groups({"all": SKELETON.joints}, "root", ("left",), ("right",), "head", ("foot",))
@@ -83,6 +87,41 @@ def test_a_body_that_faces_z_has_its_left_at_x_and_one_lying_on_its_side_has_no_
     found = motion.heading(Motion(SKELETON, positions, 30), GROUPS)
     np.testing.assert_allclose(found[0], np.eye(3), atol=1e-15)
     assert np.isnan(found[1, :, 0]).all()
+
+
+@pytest.mark.parametrize("up", [(0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0)])
+def test_in_a_mirror_left_and_right_change_places_and_distances_stay(up):
+    whole, groups = moving(5), replace(GROUPS, up=up)
+    image = motion.mirrored(whole, groups)
+    left, right = (SKELETON.joints.index(name) for name in ("left", "right"))
+    swapped = whole.positions.copy()
+    swapped[:, [left, right]] = swapped[:, [right, left]]
+    apart = [np.linalg.norm(x[:, :, None] - x[:, None], axis=-1) for x in (image.positions, swapped)]
+    np.testing.assert_allclose(*apart)
+    np.testing.assert_allclose(image.positions @ up, swapped @ up)
+    np.testing.assert_allclose(np.linalg.det(image.positions[:, :3] - image.positions[:, 3:4]), -np.linalg.det(swapped[:, :3] - swapped[:, 3:4]))
+    np.testing.assert_allclose(np.linalg.det(image.rotations), 1)
+    again = motion.mirrored(image, groups)
+    np.testing.assert_array_equal(again.positions, whole.positions)
+    np.testing.assert_array_equal(again.rotations, whole.rotations)
+
+
+def test_a_mirrored_body_is_put_together_by_the_mirrored_rotations():
+    """Of a body that is alike on both sides: kinematics and mirror may change places."""
+    whole = poses(6, 1)
+    image = motion.mirrored(whole, BODY)
+    skeleton, flip = whole.skeleton, np.array([-1.0, 1, 1])
+    local = np.stack([image.rotations[:, joint] if parent < 0 else np.swapaxes(image.rotations[:, parent], -1, -2) @ image.rotations[:, joint] for joint, parent in enumerate(skeleton.parents)], axis=1)  # fmt: skip
+    offsets = np.where(np.array(skeleton.parents)[None, :, None] < 0, whole.positions * flip, OFFSETS)
+    np.testing.assert_allclose(forward_kinematics(skeleton, local, offsets)[1], image.positions, atol=1e-12)
+
+
+def test_a_body_that_is_not_alike_on_both_sides_has_no_mirror_image():
+    lame = Skeleton(("head", "root", "left", "right", "foot", "knee"), (1, -1, 5, 1, 2, 1))
+    with pytest.raises(ParameterError, match="'left' and 'right' are no mirror images"):
+        replace(GROUPS, parts={"all": ("root",)}).images(lame)
+    with pytest.raises(ParameterError, match="'left' and 'head' are no mirror images"):
+        replace(GROUPS, parts={"left_side": ("left",), "right_side": ("head",)}).images(SKELETON)
 
 
 def test_rotations_from_positions_carry_x_onto_each_bone():

@@ -40,6 +40,17 @@ def test_shipped_groups_are_the_six_of_the_thesis(name):
         assert len(joints) == len(mirrored) and (joints == mirrored) == ("left" not in part and part == part.replace("left", "right"))
 
 
+@pytest.mark.parametrize("skeleton", [kinect.KINECT, kinect.FLORENCE])
+def test_in_a_mirror_the_left_of_a_shipped_skeleton_is_its_right(skeleton):
+    found = groups.find("auto", skeleton)
+    images, parts = found.images(skeleton), found.indices(skeleton)
+    reached = {joint for joints in parts.values() for end in joints for joint in skeleton.path(int(end))}
+    swap = {"left": "right", "right": "left"}
+    expected = ["_".join(swap.get(word, word) for word in joint.split("_")) for joint in skeleton.joints]
+    assert len(reached) > 14
+    assert all(skeleton.joints[images[joint]] == expected[joint] for joint in reached)
+
+
 @pytest.mark.parametrize(("skeleton", "name"), [(kinect.KINECT, "kinect"), (kinect.FLORENCE, "florence3d")])
 def test_groups_are_found_by_the_joints(skeleton, name):
     assert groups.find("auto", skeleton) == groups.find(name, skeleton) == groups.read(groups.SHIPPED[name])

@@ -38,6 +38,9 @@ class Learning:
     """How behaviours are learnt."""
 
     frames: int = option(800, "most frames of an action that are learnt from, drawn at random", flag="--frames", low=1)
+    mirror: bool = option(
+        False, "learn the mirror image of every clip as well: for actions that are the same by either hand", flag="--mirror"
+    )
     spread: float = option(
         0.3, "variance by which other people differ from those learnt from, in the units of the coordinates", flag="--spread", low=0.0
     )
