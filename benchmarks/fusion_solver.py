@@ -1,4 +1,4 @@
-"""Solvers for the fusion of depth maps side by side, and what a user might take instead of it.
+"""Solvers for the fusion of depth maps side by side.
 
     python -m benchmarks.fusion_solver [--views FILE.h5] [--quick]
 
@@ -8,6 +8,7 @@ Each solver minimises the same energy from the same start, in its own process; s
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 import tempfile
@@ -15,10 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import fusion_baselines
 from benchmarks.fusion_problem import Problem, open_scene, pose
 from benchmarks.fusion_solvers import NEEDS, RATIOS, SOLVERS
-from benchmarks.measure import OUTPUT, Clock, forget_peak, isolated, peak_memory, publish, say
+from benchmarks.measure import OUTPUT, Clock, forget_peak, isolated, peak_memory, publish, save, say
 
 LOOKS = [
     10,
@@ -130,9 +130,9 @@ def _from_coarse(problem: Problem):
     return iterate, fidelity
 
 
-def race(path: Path, iterations: int) -> dict[str, dict[str, Any]]:
-    """What `solve` found for each row of the table, with its step ratio."""
-    runs, ratios = {}, {"ours": None}
+def race(path: Path, iterations: int) -> Iterator[tuple[str, dict[str, Any]]]:
+    """What `solve` found for each row of the table, with its step ratio, as soon as it is known."""
+    ratios = {"ours": None}
     for name, (solver, threads) in ROWS.items():
         if solver in NEEDS and find_spec(NEEDS[solver]) is None:
             say(f"{name}: {NEEDS[solver]} is not installed, skipped")
@@ -144,20 +144,23 @@ def race(path: Path, iterations: int) -> dict[str, dict[str, Any]]:
                 "benchmarks.fusion_solver:best_ratio", threads, path=str(path), solver=solver, **tuning
             )
         settings = {"path": str(path), "solver": solver, "ratio": ratios[solver], "iterations": iterations}
-        runs[name] = isolated("benchmarks.fusion_solver:solve", threads, **settings) | {"ratio": ratios[solver]}
-    return runs
+        yield name, isolated("benchmarks.fusion_solver:solve", threads, **settings) | {"ratio": ratios[solver]}
 
 
 def rows_of(runs: dict[str, dict[str, Any]], lowest: float) -> list[dict[str, Any]]:
     """The table of the solvers; gaps are relative to the lowest energy known."""
-    ours = _milliseconds(next(iter(runs.values())))
+    ours = {
+        f"times ours, {threads} thread{'s' * (threads > 1)}": _milliseconds(runs[name])
+        for name, (solver, threads) in ROWS.items()
+        if solver == "ours" and name in runs
+    }
     return [_row(name, run, lowest, ours) for name, run in runs.items()]
 
 
-def _row(name: str, run: dict[str, Any], lowest: float, ours: float) -> dict[str, Any]:
+def _row(name: str, run: dict[str, Any], lowest: float, ours: dict[str, float]) -> dict[str, Any]:
     curve = [(look, total, energy / lowest - 1) for look, _, total, energy in run["curve"]]
     row = {"solver": name, "step ratio": run["ratio"] or "own", "ms / iteration": _milliseconds(run)}
-    row["times ours"] = row["ms / iteration"] / ours
+    row |= {column: row["ms / iteration"] / milliseconds for column, milliseconds in ours.items()}
     row |= {f"gap at {look}": next((gap for n, _, gap in curve if n == look), None) for look in SHOWN}
     for target in TARGETS:
         n, seconds = _reached(curve, target)
@@ -193,24 +196,26 @@ def start_rows(path: Path, lowest: float) -> list[dict[str, Any]]:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Measure, write, print."""
+    """Measure, write whatever is measured, print."""
     options = parse(arguments)
-    source = {"views": options.views and str(options.views.resolve()), "reference": options.reference}
-    source |= {"count": options.count, "shape": [options.size[1], options.size[0]]}
+    scene = open_scene(
+        options.views and str(options.views), options.reference, options.count, (options.size[1], options.size[0])
+    )
+    problem = pose(scene.views, scene.reference, inverse=scene.inverse)
+    title, tables, runs = "Fusion: solvers", {}, {}
     with tempfile.TemporaryDirectory() as folder:
-        scene = open_scene(**source)
-        problem = pose(scene.views, scene.reference, inverse=scene.inverse)
         path = problem.save(Path(folder) / "problem.npz")
-        runs = race(path, options.iterations)
         say("best known minimum")
         known = isolated("benchmarks.fusion_solver:reference", 2, path=str(path), iterations=REFERENCE)
-        lowest = min(known["energy"], *(energy for run in runs.values() for *_, energy in run["curve"]))
-        tables = {"Solvers of one energy, from the median": rows_of(runs, lowest)}
+        facts = {"scene": scene.name, "lambda": problem.lam, "step ratios tried for the others": str(RATIOS)}
+        for name, run in race(path, options.iterations):
+            runs[name] = run
+            lowest = min(known["energy"], *(energy for run in runs.values() for *_, energy in run["curve"]))
+            facts |= {"lowest energy known": lowest, "proven within": (lowest - known["bound"]) / lowest}
+            tables["Solvers of one energy, from the median"] = rows_of(runs, lowest)
+            save("fusion_solver", title, tables, facts, options.output)
         tables["ipcli from its coarse-to-fine start"] = start_rows(path, lowest)
-        tables["Instead of it, 2 threads"] = fusion_baselines.compare(source, 2, Path(folder))
-    facts = {"scene": scene.name, "lambda": problem.lam, "lowest energy known": lowest}
-    facts |= {"proven within": (lowest - known["bound"]) / lowest, "step ratios tried for the others": str(RATIOS)}
-    publish("fusion_solver", "Fusion: solvers and baselines", tables, facts, options.output)
+    publish("fusion_solver", title, tables, facts, options.output)
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:

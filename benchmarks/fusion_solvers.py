@@ -153,17 +153,25 @@ class PyproximalStacked(_Pyproximal):
 
 
 class PyproximalTuned(_Pyproximal):
-    """The same solver given what it lacks: one sparse matrix for the operator, and our sorted proximal map in NumPy."""
+    """The same solver given what it lacks: a sparse matrix and its transpose, both by rows, for the operator, our sorted proximal
+    map in NumPy, and a stack that asks its parts for their dual maps instead of Moreau's identity for all."""
 
     def __init__(self, problem: Problem, ratio: float):
         import pylops
         import pyproximal
 
-        n = problem.layers[0].size
-        matrix = pylops.MatrixMult(sparse_tgv(problem.shape), dtype=np.float32)
-        of_dual = pyproximal.VStack(_pyproximal_tgv(problem), [2 * n, 3 * n])
+        n, matrix = problem.layers[0].size, sparse_tgv(problem.shape)
+        transposed = matrix.T.tocsr()
+        operator = pylops.FunctionOperator(matrix.dot, transposed.dot, *matrix.shape, dtype=np.float32)
+
+        class Stack(pyproximal.VStack):
+            def proxdual(self, x, tau):
+                parts = np.split(x, self.xin[1:])
+                return np.concatenate([part_of.proxdual(part, tau) for part_of, part in zip(self.ops, parts, strict=True)])
+
+        of_dual = Stack(_pyproximal_tgv(problem), [2 * n, 3 * n])
         of_primal = pyproximal.VStack([_sorted_deviations(problem), _nothing()], [n, 2 * n])
-        super().__init__(problem, ratio, matrix, float(NORM), of_primal, of_dual)
+        super().__init__(problem, ratio, operator, float(NORM), of_primal, of_dual)
 
 
 def _pylops_tgv(shape):

@@ -103,16 +103,24 @@ def publish(
     name: str, title: str, tables: Mapping[str, Sequence[Mapping[str, Any]]], facts: Mapping[str, Any], output: Path
 ) -> None:
     """Write NAME.json and NAME.md into the folder and print the latter; `facts` say how it was measured."""
+    print(save(name, title, tables, facts, output))
+
+
+def save(
+    name: str, title: str, tables: Mapping[str, Sequence[Mapping[str, Any]]], facts: Mapping[str, Any], output: Path
+) -> str:
+    """The same without printing, for what is measured so far; the text of NAME.md."""
     from ipcli.io import atomic
 
     facts = machine() | dict(facts)
     lines = [f"# {title}", "", *(f"- {key}: {_cell(value)}" for key, value in facts.items())]
     for heading, rows in tables.items():
         lines += ["", f"## {heading}", "", table(rows)]
+    text = "\n".join(lines)
     output.mkdir(parents=True, exist_ok=True)
     atomic.write_text(output / f"{name}.json", json.dumps({"facts": facts, "tables": tables}, indent=1) + "\n")
-    atomic.write_text(output / f"{name}.md", "\n".join(lines) + "\n")
-    print("\n".join(lines))
+    atomic.write_text(output / f"{name}.md", text + "\n")
+    return text
 
 
 def machine() -> dict[str, Any]:
