@@ -1,23 +1,33 @@
 """What a user might take instead: median, ROF on the median, a TSDF volume; seconds and error of the depth map.
 
-The parameter of each is the best one of a declared grid, by the error against the truth; ours stands at its defaults.
+    python -m benchmarks.fusion_baselines [--tune DEVELOPMENT.h5 --views FILE.h5 ...] [--quick]
+
+The setting of each is the best of a declared grid on the development scene, and the others are reported; ours stands at its
+defaults. Without files the scenes are generated, of one seed for the development and of others for the report.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import argparse
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
 from importlib.util import find_spec
+from itertools import product
 from pathlib import Path
+import tempfile
 import time
 from typing import Any
 
 import numpy as np
 
+from benchmarks import tsdf
 from benchmarks.fusion_problem import Scene, open_scene
-from benchmarks.measure import isolated, say
+from benchmarks.measure import OUTPUT, isolated, publish, save, say
 
-REPEATS, ENOUGH = 3, 3.0  # times, unless they took so many seconds already
 WARM = {"count": 3, "shape": (48, 64)}  # what is compiled or loaded on the first call is not counted
+FULL = 0.9  # share of the true pixels that a map must have, so that empty ones do not decide where the others are judged
+SEEDS = (1, (2, 3))  # generated scenes for the development and for the report
 
 
 def ours(scene: Scene, method: str) -> np.ndarray:
@@ -28,7 +38,7 @@ def ours(scene: Scene, method: str) -> np.ndarray:
     return fuse(scene.views, scene.reference, Fusion(method=method), inverse=scene.inverse).depth
 
 
-def median(scene: Scene, _: None) -> np.ndarray:
+def median(scene: Scene) -> np.ndarray:
     """Of the reprojected observations."""
     from ipcli.models.fusion.reprojection import reproject_all
 
@@ -44,99 +54,165 @@ def rof(scene: Scene, weight: float) -> np.ndarray:
     from scipy.ndimage import distance_transform_edt
     from skimage.restoration import denoise_tv_chambolle
 
-    depth = median(scene, None)
+    depth = median(scene)
     depth = depth[tuple(distance_transform_edt(np.isnan(depth), return_distances=False, return_indices=True))]
     low, high = np.percentile(depth, (2, 98))
     return (denoise_tv_chambolle((depth - low) / (high - low), weight=weight) * (high - low) + low).astype(np.float32)
 
 
-def tsdf(scene: Scene, setting: tuple[float, float, float]) -> np.ndarray:
-    """Open3D's VoxelBlockGrid, ray cast into the reference.
-
-    The setting is the size of a voxel in pixels at the median depth, the truncation in voxels, and the least weight.
-    """
-    from ipcli.geometry import open3d
-
-    o3d = open3d.load()
-    reference = scene.reference
-    far = float(np.nanmax([np.nanpercentile(view.depth, 99.9) for view in scene.views]))
-    voxels, truncation, weight = setting
-    voxel = voxels * float(np.nanmedian(reference.depth)) / reference.intrinsics[0, 0]
-    kinds = (o3d.core.float32, o3d.core.float32)
-    grid = o3d.t.geometry.VoxelBlockGrid(
-        ("tsdf", "weight"), kinds, ((1,), (1,)), voxel, 16, 50_000, o3d.core.Device("CPU:0")
-    )
-    for view in scene.views:
-        image = o3d.t.geometry.Image(np.nan_to_num(view.depth))
-        camera = (o3d.core.Tensor(view.intrinsics), o3d.core.Tensor(view.cam_from_world))
-        blocks = grid.compute_unique_block_coordinates(image, *camera, 1.0, far, truncation)
-        grid.integrate(blocks, image, *camera, 1.0, far, truncation)
-    h, w = reference.depth.shape
-    camera = (o3d.core.Tensor(reference.intrinsics), o3d.core.Tensor(reference.cam_from_world))
-    near = 0.5 * float(np.nanmin(reference.depth))
-    rendered = grid.ray_cast(grid.hashmap().key_tensor(), *camera, w, h, ["depth"], 1.0, near, far, weight, truncation)
-    depth = rendered["depth"].numpy()[..., 0]
-    return np.where(depth > 0, depth, np.nan).astype(np.float32)
+def voxels(scene: Scene, voxel: float, truncation: float, weight: float) -> np.ndarray:
+    """Open3D's VoxelBlockGrid: side of a voxel in pixels at the median depth, truncation in voxels, least weight."""
+    return tsdf.depth(_volume(scene, voxel, truncation), scene.reference, weight)
 
 
-METHODS: dict[str, tuple[Callable[[Scene, Any], np.ndarray], tuple, str]] = {  # function, grid, package
-    "ipcli l1-adapt": (ours, ("l1-adapt",), "ipcli"),
-    "ipcli tgv-l1": (ours, ("tgv-l1",), "ipcli"),
-    "median": (median, (None,), "ipcli"),
-    "scikit-image ROF on the median": (rof, (0.002, 0.005, 0.01, 0.02, 0.05, 0.1), "skimage"),
-    "Open3D VoxelBlockGrid": (tsdf, ((1.0, 8.0, 1.0), (1.0, 8.0, 3.0), (1.0, 16.0, 1.0), (2.0, 8.0, 1.0)), "open3d"),
+@lru_cache(maxsize=1)
+def _volume(scene: Scene, voxel: float, truncation: float) -> Any:
+    side = voxel * float(np.nanmedian(scene.reference.depth)) / scene.reference.intrinsics[0, 0]
+    return tsdf.volume(scene.views, side, truncation)
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way from a scene to a depth map, and the values that each of its parameters may take."""
+
+    run: Callable[..., np.ndarray]
+    grid: Mapping[str, tuple] = field(default_factory=dict)
+    package: str = "ipcli"
+
+    def settings(self) -> list[dict[str, Any]]:
+        """All combinations, the last parameter fastest."""
+        return [dict(zip(self.grid, values, strict=True)) for values in product(*self.grid.values())]
+
+    def at_edge(self, setting: Mapping[str, Any]) -> list[str]:
+        """The parameters of several values that stand at the first or last of them."""
+        return [name for name, values in self.grid.items() if values[1:] and setting[name] in (values[0], values[-1])]
+
+
+METHODS = {
+    "ipcli l1-adapt": Method(ours, {"method": ("l1-adapt",)}),
+    "ipcli tgv-l1": Method(ours, {"method": ("tgv-l1",)}),
+    "median": Method(median),
+    "scikit-image ROF on the median": Method(rof, {"weight": (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)}, "skimage"),
+    "Open3D VoxelBlockGrid": Method(
+        voxels, {"voxel": (1.0, 2.0, 4.0, 8.0), "truncation": (4.0, 8.0, 16.0, 32.0), "weight": (1.0, 2.0, 4.0, 8.0)}, "open3d"
+    ),
 }
 
 
-def fused(name: str, source: dict[str, Any], folder: str) -> list[float]:
-    """Save the depth maps of a method, one a setting; the median of the seconds of each."""
-    function, grid, _ = METHODS[name]
-    scene, medians = open_scene(**source), []
-    for index, setting in enumerate(grid):
-        function(open_scene(**WARM), setting)
-        seconds = []
-        while len(seconds) < REPEATS and sum(seconds) < ENOUGH:
-            started = time.perf_counter()
-            depth = function(scene, setting)
-            seconds.append(time.perf_counter() - started)
-        np.save(Path(folder) / f"{name} {index}.npy", depth)
-        medians.append(float(np.median(seconds)))
-    return medians
+def fused(name: str, source: dict[str, Any], settings: Sequence[dict[str, Any]], folder: str) -> list[float]:
+    """Save the depth maps of a method, one a setting, and the seconds of each; of settings that share a volume only the first
+    counts that."""
+    method, scene, seconds = METHODS[name], open_scene(**source), []
+    method.run(open_scene(**WARM), **settings[0])
+    for index, setting in enumerate(settings):
+        started = time.perf_counter()
+        depth = method.run(scene, **setting)
+        seconds.append(time.perf_counter() - started)
+        np.save(Path(folder) / f"{index}.npy", depth)
+    return seconds
 
 
-def compare(source: dict[str, Any], threads: int, folder: Path) -> list[dict[str, Any]]:
-    """A row for each method that is installed, errors taken where all of them have a value."""
-    truth = open_scene(**source).reference.truth
-    maps, runs = {}, {}
-    for name, (_, grid, package) in METHODS.items():
-        if find_spec(package) is None:
-            say(f"{name}: {package} is not installed, skipped")
-            continue
-        say(name)
-        seconds = isolated("benchmarks.fusion_baselines:fused", threads, name=name, source=source, folder=str(folder))
-        for index, setting in enumerate(grid):
-            runs[name, setting], maps[name, setting] = seconds[index], np.load(folder / f"{name} {index}.npy")
-    return _rows(maps, runs, truth)
+def maps(source: dict[str, Any], settings: Mapping[str, Sequence[dict[str, Any]]], threads: int) -> dict[str, list[tuple[float, np.ndarray]]]:
+    """Seconds and depth map of each setting of each method."""
+    found = {}
+    for name, tried in settings.items():
+        say(f"{name}, settings: {len(tried)}")
+        with tempfile.TemporaryDirectory() as folder:
+            arguments = {"name": name, "source": source, "settings": tried, "folder": folder}
+            seconds = isolated("benchmarks.fusion_baselines:fused", threads, **arguments)
+            found[name] = [(took, np.load(Path(folder) / f"{index}.npy")) for index, took in enumerate(seconds)]
+    return found
 
 
-def _rows(maps: dict, runs: dict, truth: np.ndarray | None) -> list[dict[str, Any]]:
-    if truth is None:
-        return [{"method": name, "setting": setting, "seconds": seconds} for (name, setting), seconds in runs.items()]
-    # A map that is nearly empty, such as of voxels finer than the data, must not decide where the others are judged.
-    full = {key: depth for key, depth in maps.items() if np.isfinite(depth).mean() > 0.5}
-    everywhere = np.isfinite(truth) & np.isfinite(np.stack(list(full.values()))).all(axis=0)
-    error = {key: float(np.abs(depth - truth)[everywhere].mean()) for key, depth in full.items()}
-    best = [
-        min((key for key in error if key[0] == name), key=error.get)
-        for name in dict.fromkeys(name for name, _ in error)
+def errors(found: Mapping[str, list[tuple[float, np.ndarray]]], truth: np.ndarray) -> dict[str, list[dict[str, float]]]:
+    """Of each map, where all that are `FULL` have a value, in thousandths of the unit; those that are not have none."""
+    known = np.isfinite(truth)
+    density = {name: [float(np.isfinite(depth)[known].mean()) for _, depth in runs] for name, runs in found.items()}
+    everywhere = known.copy()
+    for name, runs in found.items():
+        for share, (_, depth) in zip(density[name], runs, strict=True):
+            if share >= FULL:
+                everywhere &= np.isfinite(depth)
+
+    def row(seconds, depth, share):
+        error = 1e3 * (depth - truth)[everywhere].astype(np.float64) if share >= FULL else np.array([np.nan])
+        figures = {"MAE": np.abs(error).mean(), "RMSE": np.sqrt(np.square(error).mean()), "mean": error.mean()}
+        return {"seconds": seconds} | {key: float(value) for key, value in figures.items()} | {"density %": 100 * share}
+
+    return {name: [row(*run, share) for run, share in zip(runs, density[name], strict=True)] for name, runs in found.items()}
+
+
+def tune(source: dict[str, Any], threads: int) -> tuple[dict[str, dict[str, Any]], list[dict[str, Any]]]:
+    """The setting of each installed method with the least mean absolute error on a scene, and the rows of all settings."""
+    settings = {name: method.settings() for name, method in METHODS.items() if find_spec(method.package)}
+    for name in METHODS.keys() - settings.keys():
+        say(f"{name}: {METHODS[name].package} is not installed, skipped")
+    judged = errors(maps(source, settings, threads), open_scene(**source).reference.truth)
+    best = {name: settings[name][int(np.nanargmin([row["MAE"] for row in rows]))] for name, rows in judged.items()}
+    rows = [
+        {"method": name, **setting, "MAE": row["MAE"], "density %": row["density %"], "taken": "x" if setting == best[name] else ""}
+        for name in settings
+        for setting, row in zip(settings[name], judged[name], strict=True)
     ]
-    return [
-        {
-            "method": name,
-            "setting": setting if METHODS[name][1][1:] else None,
-            "seconds": runs[name, setting],
-            "MAE, 1e-3 of the unit": 1e3 * error[name, setting],
-            "density %": 100 * float(np.isfinite(maps[name, setting])[np.isfinite(truth)].mean()),
-        }
-        for name, setting in best
-    ]
+    return best, [{key: row.get(key) for key in dict.fromkeys(key for row in rows for key in row)} for row in rows]
+
+
+def report(best: Mapping[str, dict[str, Any]], judged: Sequence[Mapping[str, dict[str, float]]]) -> list[dict[str, Any]]:
+    """A row for each method: means over the scenes, and the standard deviation between scenes of the MAE."""
+    rows = []
+    for name, setting in best.items():
+        scenes = [figures[name] for figures in judged]
+        means = {key: float(np.mean([scene[key] for scene in scenes])) for key in scenes[0]}
+        spread = {"MAE, deviation": float(np.std([scene["MAE"] for scene in scenes], ddof=1)) if scenes[1:] else None}
+        edge = ", ".join(METHODS[name].at_edge(setting)) or None
+        chosen = ", ".join(f"{key} {value:g}" for key, value in setting.items() if len(METHODS[name].grid[key]) > 1)
+        rows.append({"method": name, "setting": chosen or None, "at the edge of the grid": edge} | means | spread)
+    return rows
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Measure, write, print."""
+    options = parse(arguments)
+    development, tests = sources(options)
+    best, grid = tune(development, options.threads)
+    facts = {"tuned on": open_scene(**development).name, "threads": options.threads}
+    judged, title, heading = [], "Fusion: what one might take instead", "Errors in 1e-3 of the unit, means over the scenes"
+    for source in tests:
+        say(open_scene(**source).name)
+        found = maps(source, {name: [setting] for name, setting in best.items()}, options.threads)
+        figures = errors(found, open_scene(**source).reference.truth)
+        judged.append({name: rows[0] for name, rows in figures.items()})
+        facts["reported on"] = "; ".join(open_scene(**source).name for source in tests[: len(judged)])
+        tables = {heading: report(best, judged), "Tuning": grid}
+        save("fusion_baselines", title, tables, facts, options.output)
+    publish("fusion_baselines", title, tables, facts, options.output)
+
+
+def sources(options: argparse.Namespace) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Arguments of `open_scene`, for the development scene and the reported ones."""
+    if options.views:
+        development, *tests = [{"views": str(path.resolve()), "count": options.count} for path in (options.tune, *options.views)]
+        return development, tests
+    shape = {"count": options.count, "shape": [options.size[1], options.size[0]]}
+    return shape | {"seed": SEEDS[0]}, [shape | {"seed": seed} for seed in SEEDS[1]]
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line; --quick is a quarter of the pixels."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--tune", type=Path, help="a views artefact with a truth to choose the settings on")
+    parser.add_argument("--views", type=Path, nargs="+", help="views artefacts with a truth to report on; the middle view of each")
+    parser.add_argument("--count", type=int, default=11, help="views to fuse")
+    parser.add_argument("--size", type=int, nargs=2, metavar=("WIDTH", "HEIGHT"), help="of generated views; 640 480")
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--quick", action="store_true", help="320 240 unless given otherwise")
+    parser.add_argument("--output", type=Path, default=OUTPUT, help="folder for the tables")
+    options = parser.parse_args(arguments)
+    if bool(options.tune) != bool(options.views):
+        parser.error("--tune and --views go together: no method is reported on the scene that it is tuned on")
+    options.size = options.size or ((320, 240) if options.quick else (640, 480))
+    return options
+
+
+if __name__ == "__main__":
+    main()

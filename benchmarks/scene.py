@@ -17,16 +17,16 @@ SINGLE = 0.03  # share of the pixels that are missing one by one
 ROWS = 64  # cast at a time, so that large images need little memory beyond themselves
 
 
-def views(count: int, shape: tuple[int, int]) -> list[View]:
-    """Views of one scene with their truth; the middle one is the reference. The same numbers in every run."""
-    return [view(index, count, shape) for index in range(count)]
+def views(count: int, shape: tuple[int, int], seed: int = 0) -> list[View]:
+    """Views of one scene with their truth; the middle one is the reference. The same numbers in every run of a seed."""
+    return [view(index, count, shape, seed) for index in range(count)]
 
 
-def view(index: int, count: int, shape: tuple[int, int]) -> View:
+def view(index: int, count: int, shape: tuple[int, int], seed: int = 0) -> View:
     """One of `count` views, spread evenly over the same arc whatever their number."""
     intrinsics, pose = camera(shape), pose_at(2 * index / max(count - 1, 1) - 1)
     truth = cast(shape, intrinsics, pose)
-    depth = observed(truth, stream(0, "benchmarks", f"{index}"))
+    depth = observed(truth, stream(seed, "benchmarks", f"{index}"))
     return View(f"{index:03d}", depth, intrinsics, pose, truth=truth)
 
 

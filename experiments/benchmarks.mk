@@ -6,6 +6,7 @@ BENCH := .venv/.bench
 
 benchmarks: $(BENCH)
 	$(BIN)/python -m benchmarks.fusion_solver
+	$(BIN)/python -m benchmarks.fusion_baselines
 	$(BIN)/python -m benchmarks.fusion_scaling
 
 $(BENCH): $(INSTALLED)

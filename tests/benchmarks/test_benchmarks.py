@@ -1,12 +1,23 @@
 """The benchmarks run from end to end at the smallest size, and the solvers that they compare solve the same problem."""
 
+from dataclasses import replace
 from importlib.util import find_spec
 import json
 
 import numpy as np
 import pytest
 
-from benchmarks import bayes_gibbs, fusion_baselines, fusion_problem, fusion_scaling, fusion_solver, fusion_solvers, measure
+from benchmarks import (
+    bayes_gibbs,
+    fusion_baselines,
+    fusion_problem,
+    fusion_scaling,
+    fusion_solver,
+    fusion_solvers,
+    measure,
+    scene,
+    tsdf,
+)
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +71,7 @@ def test_an_exponent_is_that_of_the_law():
 def test_the_comparison_of_solvers_has_all_its_rows(tmp_path):
     fusion_solver.main(["--size", "64", "48", "--count", "3", "--iterations", "20", "--output", str(tmp_path)])
     tables = json.loads((tmp_path / "fusion_solver.json").read_text())["tables"]
-    solvers, start, baselines = tables.values()
+    solvers, start = tables.values()
     here = [
         name for name, (solver, _) in fusion_solver.ROWS.items() if find_spec(fusion_solvers.NEEDS.get(solver, "numpy"))
     ]
@@ -69,9 +80,48 @@ def test_the_comparison_of_solvers_has_all_its_rows(tmp_path):
     assert [row["threads"] for row in start] == [1, 1, 2, 2] and all(
         row["found"] <= row["restricted gap asked for"] for row in start
     )
-    methods = {row["method"] for row in baselines}
-    assert methods <= set(fusion_baselines.METHODS) and {"ipcli l1-adapt", "ipcli tgv-l1", "median"} <= methods
+    for column, name in (("times ours, 1 thread", "ipcli, 1 thread"), ("times ours, 2 threads", "ipcli, 2 threads")):
+        assert next(row[column] for row in solvers if row["solver"] == name) == 1
     assert all(f"| {name} |" in (tmp_path / "fusion_solver.md").read_text() for name in here)
+
+
+def test_the_volume_of_clean_views_is_the_surface_they_see():
+    """Neither half a pixel nor half a voxel off."""
+    views = [replace(view, depth=view.truth) for view in scene.views(3, (60, 80))]
+    grid = tsdf.volume(views, 0.03, 4.0)
+    error = tsdf.depth(grid, views[1], 1.0) - views[1].truth
+    assert np.isfinite(error).mean() > 0.9
+    assert abs(np.nanmedian(error)) < 0.001 and np.nanmedian(np.abs(error)) < 0.003
+    normals, offsets = scene.PLANES[:, :3], scene.PLANES[:, 3]
+    distance = np.abs((offsets - tsdf.points(grid, 1.0) @ normals.T) / np.linalg.norm(normals, axis=1)).min(axis=1)
+    on_a_plane = distance < 0.02
+    assert on_a_plane.mean() > 0.5 and np.median(distance[on_a_plane]) < 0.002
+
+
+def test_errors_are_taken_where_all_full_maps_have_a_value():
+    truth = np.ones((10, 10), np.float32)
+    good, holed, empty = (np.full((10, 10), value, np.float32) for value in (1.002, 1.001, 1.0))
+    good[0], holed[1, :5], empty[2:] = 2.0, np.nan, np.nan
+    good[1, :5] = 3.0
+    found = {"good": [(1.0, good)], "holed": [(1.0, holed), (1.0, empty)]}
+    rows = fusion_baselines.errors(found, truth)
+    assert rows["good"][0]["MAE"] == pytest.approx((10 * 1000 + 85 * 2) / 95, rel=1e-3)
+    assert rows["holed"][0]["MAE"] == pytest.approx(1, rel=1e-3) and np.isnan(rows["holed"][1]["MAE"])
+    assert rows["holed"][0]["density %"] == pytest.approx(95)
+
+
+@pytest.mark.slow
+def test_the_baselines_are_tuned_on_one_scene_and_reported_on_others(tmp_path):
+    fusion_baselines.main(["--size", "64", "48", "--count", "3", "--output", str(tmp_path)])
+    found = json.loads((tmp_path / "fusion_baselines.json").read_text())
+    report, tuning = found["tables"].values()
+    here = [name for name, method in fusion_baselines.METHODS.items() if find_spec(method.package)]
+    assert [row["method"] for row in report] == here
+    assert len(tuning) == sum(len(fusion_baselines.METHODS[name].settings()) for name in here)
+    assert [row["method"] for row in tuning if row["taken"]] == here
+    assert "seed 1" in found["facts"]["tuned on"] and "seed 1" not in found["facts"]["reported on"]
+    rows = {row["method"]: row for row in report}
+    assert rows["ipcli l1-adapt"]["MAE"] < rows["median"]["MAE"] and rows["median"]["MAE, deviation"] > 0
 
 
 @pytest.mark.slow

@@ -1,0 +1,56 @@
+"""Open3D's VoxelBlockGrid, set up so that it does its best.
+
+It takes the pixel that a voxel falls into to begin, not to be centred, at whole numbers, so its principal point is half a pixel on.
+Depth is that of the extracted mesh: the grid's own ray casting puts surfaces half a voxel back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ipcli.geometry.cameras import View
+
+BLOCKS = 20_000  # of 16 x 16 x 16 voxels to make room for at first; it grows by itself
+
+
+def volume(views: Sequence[View], voxel: float, truncation: float) -> Any:
+    """The grid of the views; `voxel` in their unit, truncation in voxels."""
+    from ipcli.geometry import open3d
+
+    o3d = open3d.load()
+    kinds = (o3d.core.float32, o3d.core.float32)
+    grid = o3d.t.geometry.VoxelBlockGrid(
+        ("tsdf", "weight"), kinds, ((1,), (1,)), voxel, 16, BLOCKS, o3d.core.Device("CPU:0")
+    )
+    far = float(np.nanmax([np.nanpercentile(view.depth, 99.9) for view in views]))
+    for view in views:
+        image = o3d.t.geometry.Image(np.nan_to_num(view.depth))
+        camera = (o3d.core.Tensor(_at_corners(view.intrinsics)), o3d.core.Tensor(view.cam_from_world))
+        blocks = grid.compute_unique_block_coordinates(image, *camera, 1.0, far, truncation)
+        grid.integrate(blocks, image, *camera, 1.0, far, truncation)
+    return grid
+
+
+def points(grid: Any, weight: float) -> np.ndarray:
+    """Points (n, 3) of the surface where at least so many observations are."""
+    return grid.extract_point_cloud(weight).point.positions.numpy()
+
+
+def depth(grid: Any, camera: View, weight: float) -> np.ndarray:
+    """Depth (h, w) float32 of that surface as a mesh in a camera, NaN where there is none."""
+    from ipcli.geometry import open3d
+
+    scene = open3d.load().t.geometry.RaycastingScene()
+    scene.add_triangles(grid.extract_triangle_mesh(weight))
+    h, w = camera.depth.shape
+    rays = scene.create_rays_pinhole(_at_corners(camera.intrinsics), camera.cam_from_world, w, h)
+    along = scene.cast_rays(rays)["t_hit"].numpy() * (rays.numpy()[..., 3:] @ camera.cam_from_world[2, :3])
+    return np.where(np.isfinite(along), along, np.nan).astype(np.float32)
+
+
+def _at_corners(intrinsics: np.ndarray) -> np.ndarray:
+    """Intrinsics for pixels that begin, not are centred, at whole numbers."""
+    return intrinsics + np.array([[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]])
