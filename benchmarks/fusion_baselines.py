@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib.util import find_spec
 from itertools import product
 from pathlib import Path
@@ -26,7 +26,7 @@ from benchmarks.fusion_problem import Scene, open_scene
 from benchmarks.measure import OUTPUT, isolated, publish, save, say
 
 WARM = {"count": 3, "shape": (48, 64)}  # what is compiled or loaded on the first call is not counted
-FULL = 0.9  # share of the true pixels that a map must have, so that empty ones do not decide where the others are judged
+FULL = 0.95  # share of the fullest map of its method that a map must have: empty ones must not decide where others are judged
 SEEDS = (1, (2, 3))  # generated scenes for the development and for the report
 
 
@@ -89,8 +89,8 @@ class Method:
 
 
 METHODS = {
-    "ipcli l1-adapt": Method(ours, {"method": ("l1-adapt",)}),
-    "ipcli tgv-l1": Method(ours, {"method": ("tgv-l1",)}),
+    "ipcli l1-adapt": Method(partial(ours, method="l1-adapt")),
+    "ipcli tgv-l1": Method(partial(ours, method="tgv-l1")),
     "median": Method(median),
     "scikit-image ROF on the median": Method(rof, {"weight": (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)}, "skimage"),
     "Open3D VoxelBlockGrid": Method(
@@ -128,18 +128,19 @@ def errors(found: Mapping[str, list[tuple[float, np.ndarray]]], truth: np.ndarra
     """Of each map, where all that are `FULL` have a value, in thousandths of the unit; those that are not have none."""
     known = np.isfinite(truth)
     density = {name: [float(np.isfinite(depth)[known].mean()) for _, depth in runs] for name, runs in found.items()}
+    full = {name: [share >= FULL * max(shares) for share in shares] for name, shares in density.items()}
     everywhere = known.copy()
     for name, runs in found.items():
-        for share, (_, depth) in zip(density[name], runs, strict=True):
-            if share >= FULL:
-                everywhere &= np.isfinite(depth)
+        for (_, depth), counts in zip(runs, full[name], strict=True):
+            everywhere &= np.isfinite(depth) | (not counts)
 
-    def row(seconds, depth, share):
-        error = 1e3 * (depth - truth)[everywhere].astype(np.float64) if share >= FULL else np.array([np.nan])
+    def row(run, share, counts):
+        seconds, depth = run
+        error = 1e3 * (depth - truth)[everywhere].astype(np.float64) if counts else np.array([np.nan])
         figures = {"MAE": np.abs(error).mean(), "RMSE": np.sqrt(np.square(error).mean()), "mean": error.mean()}
         return {"seconds": seconds} | {key: float(value) for key, value in figures.items()} | {"density %": 100 * share}
 
-    return {name: [row(*run, share) for run, share in zip(runs, density[name], strict=True)] for name, runs in found.items()}
+    return {name: [row(*of) for of in zip(runs, density[name], full[name], strict=True)] for name, runs in found.items()}
 
 
 def tune(source: dict[str, Any], threads: int) -> tuple[dict[str, dict[str, Any]], list[dict[str, Any]]]:
@@ -165,7 +166,7 @@ def report(best: Mapping[str, dict[str, Any]], judged: Sequence[Mapping[str, dic
         means = {key: float(np.mean([scene[key] for scene in scenes])) for key in scenes[0]}
         spread = {"MAE, deviation": float(np.std([scene["MAE"] for scene in scenes], ddof=1)) if scenes[1:] else None}
         edge = ", ".join(METHODS[name].at_edge(setting)) or None
-        chosen = ", ".join(f"{key} {value:g}" for key, value in setting.items() if len(METHODS[name].grid[key]) > 1)
+        chosen = ", ".join(f"{key} {value:g}" for key, value in setting.items())
         rows.append({"method": name, "setting": chosen or None, "at the edge of the grid": edge} | means | spread)
     return rows
 

@@ -1,136 +1,185 @@
 """One cloud of a whole sequence: `fuse-depth --all` and `merge-depth` against Open3D's TSDF, by distance to the true surface.
 
-    python -m benchmarks.fusion_cloud --views FILE.views.h5
+    python -m benchmarks.fusion_cloud --tune DEVELOPMENT.h5 --views FILE.h5
 
-The views need a truth. Ours stands at its defaults; the TSDF gets all the views, and the one of its settings on the declared grid
-that has the least mean distance is shown, as is the whole grid. Accuracy: from the cloud to the true points; completeness: back.
+The views need a truth. Ours stands at its defaults. The TSDF, of the views and of our fused maps, has the setting of its grid with the
+highest F-score on the development sequence.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
 import tempfile
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks import tsdf
 from benchmarks.measure import OUTPUT, isolated, publish, say
 
-SAMPLE = 200_000  # points, evenly spaced in their order, that distances are taken of
-NEAR = 0.01  # in the unit of the scene, metres: whose share is told of what lies nearer
-VOXELS = (0.006, 0.008, 0.012, 0.016)  # side, in units of the scene
-WEIGHTS = (1.0, 3.0, 6.0, 12.0)  # observations that a point must have
-TRUNCATION = 8.0  # voxels
+if TYPE_CHECKING:
+    from ipcli.geometry.cameras import View
+
+SAMPLE = 100_000  # points, evenly spaced in their order, that distances are taken of
+NEAR = 0.005  # in the unit of the scene, metres: precision, recall and F-score are about what lies nearer
+VOXELS = (0.004, 0.006, 0.008, 0.012, 0.016, 0.024)  # side, in units of the scene
+TRUNCATIONS = (4.0, 8.0, 16.0)  # voxels
+WEIGHTS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # maps that must have seen a point
+VIEWS, MAPS = "Open3D VoxelBlockGrid of the views", "Open3D VoxelBlockGrid of our fused maps"
 
 
-def ours(views: str, folder: str, window: int, step: int) -> list[float]:
-    """Save the cloud of the two commands; the seconds of each."""
-    from ipcli.io import ply
+def fused(views: str, folder: str, window: int, step: int) -> float:
+    """Write the fused maps; the seconds."""
     from ipcli.params import Run
-    from ipcli.stages import fuse_depth, merge_depth
+    from ipcli.stages import fuse_depth
 
     started = time.perf_counter()
-    made = fuse_depth.run_all(Path(views), Path(folder), fuse_depth.Params(window=window, every=True, step=step), Run())
-    between = time.perf_counter()
-    cloud = Path(folder) / "cloud.ply"
-    merge_depth.run(list(made), cloud, merge_depth.Params(), Run())
-    seconds = [between - started, time.perf_counter() - between]
-    np.save(Path(folder) / "ours.npy", ply.read(cloud).vertices)
-    return seconds
-
-
-def tsdf(views: str, folder: str, voxel: float) -> float:
-    """Save the clouds that Open3D's VoxelBlockGrid of all views gives at each least weight; the seconds."""
-    from ipcli.geometry import open3d
-    from ipcli.io import sequences
-
-    o3d = open3d.load()
-    sequence = sequences.open(Path(views))
-    loaded = [sequence.load(name) for name in sequence.names]
-    started = time.perf_counter()
-    kinds = (o3d.core.float32, o3d.core.float32)
-    grid = o3d.t.geometry.VoxelBlockGrid(
-        ("tsdf", "weight"), kinds, ((1,), (1,)), voxel, 16, 20_000, o3d.core.Device("CPU:0")
-    )
-    far = float(np.nanmax([np.nanpercentile(view.depth, 99.9) for view in loaded]))
-    for view in loaded:
-        image = o3d.t.geometry.Image(np.nan_to_num(view.depth))
-        camera = (o3d.core.Tensor(view.intrinsics), o3d.core.Tensor(view.cam_from_world))
-        blocks = grid.compute_unique_block_coordinates(image, *camera, 1.0, far, TRUNCATION)
-        grid.integrate(blocks, image, *camera, 1.0, far, TRUNCATION)
-    for weight in WEIGHTS:
-        np.save(Path(folder) / f"tsdf {weight}.npy", grid.extract_point_cloud(weight).point.positions.numpy())
+    fuse_depth.run_all(Path(views), Path(folder), fuse_depth.Params(window=window, every=True, step=step), Run())
     return time.perf_counter() - started
 
 
-def true_points(views: str) -> np.ndarray:
-    """The back-projected truth of all views (n, 3) float32, in the world."""
-    from ipcli.geometry.cameras import back_project, transform
+def merged(folder: str) -> float:
+    """Save the cloud of the fused maps in a folder; the seconds."""
+    from ipcli.io import ply
+    from ipcli.params import Run
+    from ipcli.stages import merge_depth
+
+    started, cloud = time.perf_counter(), Path(folder) / "cloud.ply"
+    merge_depth.run(list(Path(folder).glob("*.fused.h5")), cloud, merge_depth.Params(), Run())
+    seconds = time.perf_counter() - started
+    np.save(Path(folder) / "cloud.npy", ply.read(cloud).vertices)
+    return seconds
+
+
+def volumes(views: str | None, folder: str, voxel: float, truncation: float, weights: Sequence[float]) -> list[float]:
+    """Save the clouds of the TSDF of all the views, of the fused maps in the folder if there is none, at each least weight; the
+    seconds of each, its share of the integration in them."""
+    loaded = _views(Path(views)) if views else _maps(Path(folder))
+    started = time.perf_counter()
+    grid = tsdf.volume(loaded, voxel, truncation)
+    integrated, seconds = time.perf_counter() - started, []
+    for weight in weights:
+        started = time.perf_counter()
+        cloud = tsdf.points(grid, weight)
+        seconds.append(integrated + time.perf_counter() - started)
+        np.save(Path(folder) / f"cloud {weight}.npy", cloud)
+    return seconds
+
+
+def _views(path: Path) -> list[View]:
     from ipcli.io import sequences
 
-    sequence, parts = sequences.open(Path(views)), []
-    for name in sequence.names:
-        view = sequence.load(name)
-        points = transform(np.linalg.inv(view.cam_from_world), back_project(view.truth, view.intrinsics).reshape(-1, 3))
-        parts.append(points[np.isfinite(points[:, 2])].astype(np.float32))
-    return np.concatenate(parts)
+    sequence = sequences.open(path)
+    return [sequence.load(name) for name in sequence.names]
 
 
-def judged(cloud: np.ndarray, truth: np.ndarray, tree: Any) -> dict[str, float]:
-    """Distances of the cloud to the truth, in thousandths of the unit, and the share of each that is near the other."""
-    from scipy.spatial import cKDTree
+def _maps(folder: Path) -> list[View]:
+    from ipcli.geometry.cameras import View
+    from ipcli.stages.merge_depth import read_map
 
-    if not len(cloud):
-        return {"mean": float("inf")}
-    distance = tree.query(cloud[:: -(-len(cloud) // SAMPLE)], workers=-1)[0]
-    back = cKDTree(cloud).query(truth[:: -(-len(truth) // SAMPLE)], distance_upper_bound=NEAR, workers=-1)[0]
-    return {
-        "mean": 1e3 * float(distance.mean()),
-        "median": 1e3 * float(np.median(distance)),
-        "within 10 %": 100 * float((distance <= NEAR).mean()),
-        "truth within 10 %": 100 * float(np.isfinite(back).mean()),
-        "points": float(len(cloud)),
-    }
+    maps = [read_map(path) for path in sorted(folder.glob("*.fused.h5"))]
+    return [View("", own.surface, own.intrinsics, own.cam_from_world) for own in maps]
 
 
-def compare(views: str, window: int, step: int, threads: int) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Rows of both methods, and of the grid of the peer."""
-    from scipy.spatial import cKDTree
+class Truth:
+    """The back-projected truth of all views, in the world, to measure clouds by."""
 
-    truth = true_points(views)
-    tree = cKDTree(truth, balanced_tree=False, compact_nodes=False)
-    grid = []
+    def __init__(self, views: Sequence[View]):
+        from scipy.spatial import cKDTree
+
+        from ipcli.geometry.cameras import back_project, transform
+
+        points = np.concatenate(
+            [
+                transform(np.linalg.inv(view.cam_from_world), back_project(view.truth, view.intrinsics).reshape(-1, 3)[np.isfinite(view.truth).ravel()])
+                for view in views
+            ]
+        )
+        self.sample = points[:: -(-len(points) // SAMPLE)]
+        self.tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
+
+    def judge(self, cloud: np.ndarray) -> dict[str, float]:
+        """Distances (in thousandths of the unit) of the cloud to the truth; precision, the share of the cloud that is `NEAR`, recall,
+        the share of the truth that the cloud is near to, and their harmonic mean, in per cent."""
+        from scipy.spatial import cKDTree
+
+        if not len(cloud):
+            return {"mean": np.nan, "median": np.nan, "precision %": np.nan, "recall %": 0.0, "F-score %": 0.0, "points": 0.0}
+        distance = self.tree.query(cloud[:: -(-len(cloud) // SAMPLE)], workers=-1)[0]
+        tree = cKDTree(cloud, balanced_tree=False, compact_nodes=False)
+        back = tree.query(self.sample, distance_upper_bound=NEAR, workers=-1)[0]
+        precision, recall = float((distance <= NEAR).mean()), float(np.isfinite(back).mean())
+        figures = {"mean": 1e3 * float(distance.mean()), "median": 1e3 * float(np.median(distance))}
+        figures |= {"precision %": 100 * precision, "recall %": 100 * recall}
+        both = 200 * precision * recall / (precision + recall) if precision + recall else 0.0
+        return figures | {"F-score %": both, "points": float(len(cloud))}
+
+
+def tune(truth: Truth, views: str | None, folder: str, threads: int) -> list[dict[str, Any]]:
+    """A row for each setting of the TSDF of the views, or of the fused maps in the folder."""
+    rows = []
+    for voxel, truncation in product(VOXELS, TRUNCATIONS):
+        say(f"voxels of {voxel}, truncation {truncation}")
+        arguments = {"views": views, "folder": folder, "voxel": voxel, "truncation": truncation, "weights": WEIGHTS}
+        isolated("benchmarks.fusion_cloud:volumes", threads, **arguments)
+        for weight in WEIGHTS:
+            figures = truth.judge(np.load(Path(folder) / f"cloud {weight}.npy"))
+            rows.append({"voxel": voxel, "truncation": truncation, "weight": weight} | figures)
+    return rows
+
+
+def best(rows: Sequence[dict[str, Any]]) -> dict[str, float]:
+    """The setting with the highest F-score."""
+    row = max(rows, key=lambda row: row["F-score %"])
+    return {name: row[name] for name in ("voxel", "truncation", "weight")}
+
+
+def report(views: str, settings: dict[str, dict[str, float]], window: int, step: int, threads: int) -> list[dict[str, Any]]:
+    """Rows of ours and of the TSDFs at their settings."""
+    truth = Truth(_views(Path(views)))
     with tempfile.TemporaryDirectory() as folder:
         say("ipcli")
-        seconds = isolated(
-            "benchmarks.fusion_cloud:ours", threads, views=views, folder=folder, window=window, step=step
-        )
-        own = {"method": f"ipcli, fusing {seconds[0]:.1f} s and merging {seconds[1]:.1f} s", "seconds": sum(seconds)}
-        own |= judged(np.load(Path(folder) / "ours.npy"), truth, tree)
-        for voxel in VOXELS:
-            say(f"Open3D, voxels of {voxel}")
-            took = isolated("benchmarks.fusion_cloud:tsdf", threads, views=views, folder=folder, voxel=voxel)
-            for weight in WEIGHTS:
-                row = {"method": f"Open3D VoxelBlockGrid, voxel {voxel:g}, weight {weight:g}", "seconds": took}
-                grid.append(row | judged(np.load(Path(folder) / f"tsdf {weight}.npy"), truth, tree))
-    return [own, min(grid, key=lambda row: row["mean"])], grid
+        fusing = isolated("benchmarks.fusion_cloud:fused", threads, views=views, folder=folder, window=window, step=step)
+        merging = isolated("benchmarks.fusion_cloud:merged", threads, folder=folder)
+        rows = [{"method": "ipcli", "setting": None, "seconds": fusing + merging}]
+        rows[0] |= truth.judge(np.load(Path(folder) / "cloud.npy"))
+        for method, setting in settings.items():
+            say(method)
+            voxel, truncation, weight = setting.values()
+            arguments = {"folder": folder, "voxel": voxel, "truncation": truncation, "weights": [weight]}
+            of = views if method == VIEWS else None
+            (seconds,) = isolated("benchmarks.fusion_cloud:volumes", threads, views=of, **arguments)
+            told = ", ".join(f"{name} {value:g}" for name, value in setting.items())
+            row = {"method": method, "setting": told, "seconds": seconds + (0 if of else fusing)}
+            rows.append(row | truth.judge(np.load(Path(folder) / f"cloud {weight}.npy")))
+    return rows
 
 
-def main() -> None:
+def main(arguments: list[str] | None = None) -> None:
     """The tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--views", required=True, help="views artefact with a truth")
+    parser.add_argument("--tune", type=Path, required=True, help="views artefact with a truth to choose the settings on")
+    parser.add_argument("--views", type=Path, required=True, help="views artefact with a truth to report on")
     parser.add_argument("--window", type=int, default=7)
     parser.add_argument("--step", type=int, default=4)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--output", type=Path, default=OUTPUT)
-    chosen = parser.parse_args()
-    best, grid = compare(str(Path(chosen.views).resolve()), chosen.window, chosen.step, chosen.threads)
-    facts = {"views": Path(chosen.views).name, "window": chosen.window, "step": chosen.step, "threads": chosen.threads}
-    tables = {"Ours at its defaults, the TSDF at its best; distances in 1e-3 of the unit": best, "Grid of the TSDF": grid}
-    publish("fusion_cloud", "One cloud of a sequence", tables, facts, chosen.output)
+    chosen = parser.parse_args(arguments)
+    development, views = str(chosen.tune.resolve()), str(chosen.views.resolve())
+    same = {"window": chosen.window, "step": chosen.step, "threads": chosen.threads}
+    truth, tables = Truth(_views(Path(development))), {}
+    with tempfile.TemporaryDirectory() as folder:
+        isolated("benchmarks.fusion_cloud:fused", chosen.threads, views=development, folder=folder, window=chosen.window, step=chosen.step)
+        for method, of in ((VIEWS, development), (MAPS, None)):
+            tables[f"Tuning: {method}"] = tune(truth, of, folder, chosen.threads)
+    settings = {method: best(tables[f"Tuning: {method}"]) for method in (VIEWS, MAPS)}
+    heading = "Ours at its defaults, the TSDF as tuned; distances in 1e-3 of the unit"
+    facts = {"tuned on": chosen.tune.name, "reported on": chosen.views.name, "near, in the unit": NEAR} | same
+    publish("fusion_cloud", "One cloud of a sequence", {heading: report(views, settings, **same)} | tables, facts, chosen.output)
 
 
 if __name__ == "__main__":

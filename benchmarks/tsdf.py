@@ -6,7 +6,7 @@ Depth is that of the extracted mesh: the grid's own ray casting puts surfaces ha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -36,19 +36,32 @@ def volume(views: Sequence[View], voxel: float, truncation: float) -> Any:
 
 def points(grid: Any, weight: float) -> np.ndarray:
     """Points (n, 3) of the surface where at least so many observations are."""
-    return grid.extract_point_cloud(weight).point.positions.numpy()
+    cloud = _surface(grid.extract_point_cloud, weight)
+    return np.empty((0, 3), np.float32) if cloud is None else cloud.point.positions.numpy()
 
 
 def depth(grid: Any, camera: View, weight: float) -> np.ndarray:
     """Depth (h, w) float32 of that surface as a mesh in a camera, NaN where there is none."""
     from ipcli.geometry import open3d
 
+    mesh, (h, w) = _surface(grid.extract_triangle_mesh, weight), camera.depth.shape
+    if mesh is None:
+        return np.full((h, w), np.nan, np.float32)
     scene = open3d.load().t.geometry.RaycastingScene()
-    scene.add_triangles(grid.extract_triangle_mesh(weight))
-    h, w = camera.depth.shape
+    scene.add_triangles(mesh)
     rays = scene.create_rays_pinhole(_at_corners(camera.intrinsics), camera.cam_from_world, w, h)
     along = scene.cast_rays(rays)["t_hit"].numpy() * (rays.numpy()[..., 3:] @ camera.cam_from_world[2, :3])
     return np.where(np.isfinite(along), along, np.nan).astype(np.float32)
+
+
+def _surface(extract: Callable[[float], Any], weight: float) -> Any:
+    """None if it is empty: for that Open3D raises an error about the shape of its colours."""
+    try:
+        return extract(weight)
+    except RuntimeError as error:
+        if "shape {0}" not in str(error):
+            raise
+        return None
 
 
 def _at_corners(intrinsics: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ import pytest
 from benchmarks import (
     bayes_gibbs,
     fusion_baselines,
+    fusion_cloud,
     fusion_problem,
     fusion_scaling,
     fusion_solver,
@@ -18,6 +19,7 @@ from benchmarks import (
     scene,
     tsdf,
 )
+from ipcli.io import h5, sequences
 
 
 @pytest.fixture(scope="module")
@@ -92,6 +94,7 @@ def test_the_volume_of_clean_views_is_the_surface_they_see():
     error = tsdf.depth(grid, views[1], 1.0) - views[1].truth
     assert np.isfinite(error).mean() > 0.9
     assert abs(np.nanmedian(error)) < 0.001 and np.nanmedian(np.abs(error)) < 0.003
+    assert not len(tsdf.points(grid, 9.0)) and np.isnan(tsdf.depth(grid, views[1], 9.0)).all()
     normals, offsets = scene.PLANES[:, :3], scene.PLANES[:, 3]
     distance = np.abs((offsets - tsdf.points(grid, 1.0) @ normals.T) / np.linalg.norm(normals, axis=1)).min(axis=1)
     on_a_plane = distance < 0.02
@@ -122,6 +125,38 @@ def test_the_baselines_are_tuned_on_one_scene_and_reported_on_others(tmp_path):
     assert "seed 1" in found["facts"]["tuned on"] and "seed 1" not in found["facts"]["reported on"]
     rows = {row["method"]: row for row in report}
     assert rows["ipcli l1-adapt"]["MAE"] < rows["median"]["MAE"] and rows["median"]["MAE, deviation"] > 0
+
+
+def test_precision_and_recall_of_a_cloud_are_those_of_its_points():
+    """Half of the truth, the other half of it 20 mm nearer from where it is."""
+    view = scene.views(1, (48, 64))[0]
+    truth = fusion_cloud.Truth([view])
+    there, away = truth.sample[::2], truth.sample[1::2] * (1 - 0.02 / np.linalg.norm(truth.sample[1::2], axis=1, keepdims=True))
+    assert len(truth.sample) == 48 * 64
+    assert truth.judge(truth.sample)["F-score %"] == pytest.approx(100) and truth.judge(truth.sample)["mean"] == pytest.approx(0, abs=1e-3)
+    half = truth.judge(there)
+    assert half["precision %"] == 100 and half["median"] == pytest.approx(0, abs=1e-3)
+    mixed = truth.judge(np.concatenate([there, away]))
+    assert mixed["precision %"] == pytest.approx(50, abs=2)
+    p, r = mixed["precision %"], mixed["recall %"]
+    assert mixed["F-score %"] == pytest.approx(2 * p * r / (p + r))
+    assert truth.judge(np.empty((0, 3)))["F-score %"] == 0
+
+
+@pytest.mark.slow
+def test_clouds_of_a_sequence_have_all_their_rows(tmp_path, monkeypatch):
+    skip_without("open3d")
+    monkeypatch.setattr(fusion_cloud, "VOXELS", (0.04, 0.08))
+    monkeypatch.setattr(fusion_cloud, "TRUNCATIONS", (4.0,))
+    for name, seed in (("development", 1), ("report", 2)):
+        artefact = sequences.views_artefact(scene.views(6, (48, 64), seed), unit="m", measured="depth")
+        h5.write(tmp_path / f"{name}.views.h5", "views", artefact, {})
+    files = ["--tune", str(tmp_path / "development.views.h5"), "--views", str(tmp_path / "report.views.h5")]
+    fusion_cloud.main([*files, "--window", "3", "--step", "1", "--output", str(tmp_path)])
+    rows, *tuning = json.loads((tmp_path / "fusion_cloud.json").read_text())["tables"].values()
+    assert [row["method"] for row in rows] == ["ipcli", fusion_cloud.VIEWS, fusion_cloud.MAPS]
+    assert all(0 < row["F-score %"] <= 100 and row["seconds"] > 0 for row in rows)
+    assert [len(table) for table in tuning] == [2 * len(fusion_cloud.WEIGHTS)] * 2
 
 
 @pytest.mark.slow
