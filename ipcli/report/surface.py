@@ -92,7 +92,7 @@ def _canvas(shape: tuple[int, ...]) -> tuple[int, int]:
 
 def _colours(light: np.ndarray, image: np.ndarray | None) -> np.ndarray:
     if image is None:
-        return palette("clay")[SHADE.indices(light)]
+        return palette("clay")[SHADE.indices(np.atleast_2d(light)).reshape(light.shape)]
     return (image * (0.5 + 0.6 * np.nan_to_num(light)[..., None])).clip(0, 255).astype(np.uint8)
 
 

@@ -13,6 +13,7 @@ from ipcli.io import h5, ply
 from ipcli.models.fusion.merge import merge
 from ipcli.models.fusion.parameters import Fusion, Merge
 from ipcli.params import Run
+from ipcli.report.merge_depth import page
 from ipcli.stages import fuse_depth, merge_depth
 from ipcli.stages.artefact import Outcome
 from ipcli.stages.merge_depth import Params
@@ -60,6 +61,13 @@ def test_the_ply_holds_the_same_points_and_names_the_digest(cloud):
     for name in ("confidence", "views"):
         np.testing.assert_array_equal(points.extra[name], artefact.arrays[name])
     assert artefact.provenance["digest"] in points.comments[0] and "unit m" in points.comments[0]
+
+
+def test_a_cloud_without_colours_is_shown_in_clay(cloud):
+    artefact = h5.read(cloud.with_suffix(".h5"), "cloud")
+    plain = {name: array for name, array in artefact.arrays.items() if name != "colors"}
+    shown = page(plain, artefact.provenance)
+    assert "<img" in shown and shown != cloud.with_suffix(".html").read_text()
 
 
 def test_the_order_of_the_files_does_not_matter(files, cloud, tmp_path):
