@@ -82,17 +82,17 @@ def option(
 
 def leaves(cls: type) -> list[Leaf]:
     """All parameters of a dataclass in order of declaration, sections opened."""
-    return list(_leaves(cls, ""))
+    return list(_leaves(cls(), ""))
 
 
-def _leaves(cls: type, prefix: str) -> Iterator[Leaf]:
-    hints = typing.get_type_hints(cls)
-    for field in dataclasses.fields(cls):
-        key, kind = prefix + field.name, hints[field.name]
-        if dataclasses.is_dataclass(kind):
-            yield from _leaves(kind, key + ".")
+def _leaves(defaults: Any, prefix: str) -> Iterator[Leaf]:
+    hints = typing.get_type_hints(type(defaults))
+    for field in dataclasses.fields(defaults):
+        key, value = prefix + field.name, getattr(defaults, field.name)
+        if dataclasses.is_dataclass(value):
+            yield from _leaves(value, key + ".")
         else:
-            yield Leaf(key, kind, field.default, field.metadata["option"])
+            yield Leaf(key, hints[field.name], value, field.metadata["option"])
 
 
 def as_dict(params: Any) -> dict[str, Any]:
@@ -128,19 +128,19 @@ def resolve(
         if key in given:
             raise ParameterError(f"{known[key].option.flag or key} and --set {key}=... are both given; keep one of them")
         given[key] = _accept(value, known[key], known[key].option.flag or key)
-    return _build(cls, values | given, "")
+    return _changed(cls(), values | given, "")
 
 
-def _build(cls: type, values: Mapping[str, Any], prefix: str) -> Any:
-    hints = typing.get_type_hints(cls)
+def _changed(defaults: Any, values: Mapping[str, Any], prefix: str) -> Any:
+    """The defaults with the values put in."""
     arguments = {}
-    for field in dataclasses.fields(cls):
-        key = prefix + field.name
-        if dataclasses.is_dataclass(hints[field.name]):
-            arguments[field.name] = _build(hints[field.name], values, key + ".")
+    for field in dataclasses.fields(defaults):
+        key, value = prefix + field.name, getattr(defaults, field.name)
+        if dataclasses.is_dataclass(value):
+            arguments[field.name] = _changed(value, values, key + ".")
         elif key in values:
             arguments[field.name] = values[key]
-    return cls(**arguments)
+    return dataclasses.replace(defaults, **arguments)
 
 
 def _from_file(path: Path, known: Mapping[str, Leaf]) -> dict[str, Any]:

@@ -29,6 +29,17 @@ class Example:
     solver: Solver = field(default_factory=Solver)
 
 
+@dataclass(frozen=True)
+class Longer:
+    solver: Solver = field(default_factory=lambda: Solver(iterations=700))
+
+
+def test_a_section_may_have_defaults_of_its_own():
+    assert [leaf.default for leaf in params.leaves(Longer)] == [700, True]
+    assert params.resolve(Longer, sets=["solver.restart=no"]) == Longer(Solver(700, restart=False))
+    assert params.resolve(Longer, sets=["solver.iterations=5"]).solver.iterations == 5
+
+
 SOURCES = ["file", "env", "set"]
 
 

@@ -84,7 +84,7 @@ def test_normals_and_uncertainty_are_judged_as_fuse_depth_judges_them(views, eva
     angle = normal_error(alone["normals"], normals(alone["truth"], alone["intrinsics"]), common)
     assert arrays["values"][row, columns.index("N-MAE rad")] == pytest.approx(angle)
     curve = arrays["kept_error_uncertainty"][row]
-    assert (curve - arrays["least_error"][row]).mean() == pytest.approx(by_uncertainty, rel=0.1)
+    assert (curve - arrays["least_error"][row]).mean() == pytest.approx(by_uncertainty, rel=0.2)  # at 40 shares
 
 
 def test_compare_joins_trials_and_tells_the_rules_apart(evaluated, tmp_path):

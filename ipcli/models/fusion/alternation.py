@@ -86,6 +86,10 @@ class Problem:
         """The same under a prior confidence (h, w)."""
         return replace(self, rate=self.rate / (prior[:, None] if self.of_each else prior))
 
+    def regularised_by(self, weights: np.ndarray) -> Problem:
+        """The same with the first-order term weighted (h, w), times the weights that it has."""
+        return replace(self, regulariser=replace(self.regulariser, alpha1=self.regulariser.alpha1 * weights))
+
     def for_each(self) -> Problem:
         """The same with a confidence for each observation in place of one for each pixel, whose prior they share out."""
         count = np.maximum(self.fidelity.data.count, 1)

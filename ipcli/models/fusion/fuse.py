@@ -14,7 +14,7 @@ from ipcli.inverse.regularize import tgv
 from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Observations, SquaredDeviations
 from ipcli.models.fusion import confidence as priors
 from ipcli.models.fusion.alternation import ALGORITHMS, START, History, Problem, with_given_confidence
-from ipcli.models.fusion.edges import first_order_weights
+from ipcli.models.fusion.edges import first_order_weights, image_weights
 from ipcli.models.fusion.observations import Normalised, Units, floor, measure
 from ipcli.models.fusion.parameters import METHODS, Fusion, Method
 from ipcli.models.fusion.pyramid import start
@@ -178,6 +178,8 @@ def fuse_layers(
     if method.of_median:
         x = data.median()[None]
     problem = pose(Observations.of(x) if method.of_median else data, lam, method, fusion)
+    if fusion.edges.image and reference.image is not None:
+        problem = problem.regularised_by(image_weights(reference.image, fusion.edges.image))
     history = History()
     if method.order == 0:
         iterate = tgv.Iterate.at(data.mean() if method.deviation == "squared" else data.median())
@@ -186,8 +188,7 @@ def fuse_layers(
     levels = fusion.solver.levels
     iterate = before.iterate_in(units) if before else start(x, lam * weight, problem.regulariser, fusion.solver, levels)
     if before and method.order == 2 and fusion.edges.gain:
-        weights = first_order_weights(iterate.x, iterate.v, data.count, fusion.edges)
-        problem = replace(problem, regulariser=replace(problem.regulariser, alpha1=problem.regulariser.alpha1 * weights))
+        problem = problem.regularised_by(first_order_weights(iterate.x, iterate.v, data.count, fusion.edges))
     problem = solve(problem, iterate, method, fusion, units, reference, history)
     return Pass(layers.depth, units, data, problem, iterate, history)
 

@@ -58,10 +58,11 @@ class Confidence:
 
 @dataclass(frozen=True)
 class Edges:
-    """How TGV treats the jumps of a first fused map in the passes after it; methods of order 2 only."""
+    """Where the regulariser lets the map jump: at the jumps of a first map, in the passes after it and order 2, and of the image."""
 
-    gain: float = option(1.5, "weight of the first-order term away from jumps, times alpha1; 0: 1 everywhere, as in the thesis", low=0.0)
+    gain: float = option(2.0, "weight of the first-order term away from jumps, times alpha1; 0: 1 everywhere, as in the thesis", low=0.0)
     width: float = option(0.3, "jump that halves the weight, in noise scales over sqrt(K) for K observations", low=1e-6)
+    image: float = option(0.0, "change of the image in a pixel that halves the weight, of 255; 0: the image has no say", low=0.0)
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class Fusion:
     huber: float = option(1.0, "width of the Huber deviation, in noise scales", low=1e-6)
     confidence: Confidence = field(default_factory=Confidence)
     edges: Edges = field(default_factory=Edges)
-    regulariser: Regulariser = field(default_factory=Regulariser)
+    regulariser: Regulariser = field(default_factory=lambda: Regulariser(alpha0=3.0))
     solver: Solver = field(default_factory=Solver)
 
 

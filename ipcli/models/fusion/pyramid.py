@@ -26,7 +26,8 @@ def start(layers: np.ndarray | Normalised, lam: float, regulariser: Regulariser,
     if levels == 1 or min(shape) < 2 * SMALLEST:
         return tgv.Iterate.at(filled_median(Observations.of(layers)))
     half = halved(layers)
-    regulariser_half = replace(regulariser, alpha0=regulariser.alpha0 / 2)
+    alpha1 = _halved(regulariser.alpha1) if isinstance(regulariser.alpha1, np.ndarray) else regulariser.alpha1
+    regulariser_half = replace(regulariser, alpha1=alpha1, alpha0=regulariser.alpha0 / 2)
     coarse = start(half, 2 * lam, regulariser_half, solver, levels - 1)
     scale = np.full(half.shape[1:], 2 * lam, np.float32)
     fidelity = AbsoluteDeviations(Observations.of(half), scale)

@@ -1,10 +1,13 @@
 """Weights of the first-order term, and what they are for: a step keeps its height, a plane its smoothness."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ipcli.inverse.regularize import tgv
-from ipcli.models.fusion.edges import first_order_weights
+from ipcli.inverse.regularize.parameters import Regulariser
+from ipcli.models.fusion.edges import BLUR, first_order_weights, image_weights
 from ipcli.models.fusion.fuse import fuse
 from ipcli.models.fusion.parameters import Edges, Fusion
 from tests.fusion_scenes import scene
@@ -47,10 +50,44 @@ def test_a_gain_of_0_is_the_even_regulariser():
     np.testing.assert_array_equal(*found)  # without a first map there are no edges to go by
 
 
+def test_the_image_halves_the_weight_where_it_changes_by_the_contrast_and_leaves_1_where_it_does_not():
+    ramp = np.repeat(np.arange(20, 220, 5, np.uint8)[None, :, None], 30, axis=0).repeat(3, axis=2)  # 5 grey levels a pixel
+    weights = image_weights(ramp, contrast=5.0)
+    np.testing.assert_allclose(weights[:, 6:-6], 0.5, rtol=1e-3)
+    np.testing.assert_allclose(image_weights(ramp.transpose(1, 0, 2), contrast=5.0), weights.T, rtol=1e-5)
+    np.testing.assert_array_equal(image_weights(np.full((9, 9, 3), 77, np.uint8), contrast=2.0), 1)
+    step = np.zeros((30, 40, 3), np.uint8)
+    step[:, 20:] = 200
+    across = image_weights(step, contrast=4.0)
+    assert across[15].argmin() == 19 and across[15, 19] < 4 / (4 + 200 * 0.9 * 0.39 / BLUR)  # a normal's peak is .399 / BLUR
+    assert (across[:, :14] == 1).all() and (across[:, 27:] == 1).all()
+
+
+def on_the_wall(truth):
+    """Where a true map (h, w) has the plane, affine in inverse depth, that its first and last rows have."""
+    affine = np.stack([np.ones(truth.shape), *np.indices(truth.shape)], axis=-1)
+    plane = affine @ np.linalg.lstsq(affine[[0, -1]].reshape(-1, 3), 1 / truth[[0, -1]].ravel(), rcond=None)[0]
+    return np.isclose(1 / truth, plane, rtol=1e-3)
+
+
+@pytest.mark.parametrize("method", ["l1-adapt", "tv-l1"])
+def test_an_image_whose_edges_are_those_of_the_scene_brings_noisy_maps_nearer_to_the_truth_and_none_changes_nothing(method):
+    views = scene(outliers=0.02, noise=0.1)
+    truth = views[2].truth
+    image = np.full((*truth.shape, 3), 40, np.uint8)
+    image[~on_the_wall(truth)] = 200  # the ball
+    settings = {use: Fusion(method=method, regulariser=Regulariser(alpha1=3.0), edges=Edges(image=use)) for use in (0.0, 4.0)}
+
+    def error(use, image):
+        found = fuse(views, replace(views[2], image=image), settings[use], inverse=False)
+        return np.abs(found.depth - truth).mean()
+
+    assert error(4.0, image) < 0.97 * error(0.0, image)
+    assert error(4.0, None) == error(0.0, None) == error(0.0, image)
+
+
 @pytest.mark.parametrize("weight", [0.3, 2.5])
 def test_a_plane_of_equal_weights_is_a_number(weight):
     x, v = (np.random.default_rng(3).normal(size=shape).astype(np.float32) for shape in ((7, 9), (2, 7, 9)))
-    from ipcli.inverse.regularize.parameters import Regulariser
-
     number, plane = (tgv.value(x, v, Regulariser(alpha1=a)) for a in (weight, np.full((7, 9), weight, np.float32)))
     assert number == pytest.approx(plane)

@@ -55,7 +55,7 @@ def test_in_tiles_the_map_is_that_of_the_whole_and_has_no_seams(views, inverse):
     at_seams = np.concatenate([apart[:, SIDE - 1 :: SIDE].ravel(), apart[SIDE - 1 :: SIDE].ravel(), apart[SIDE::SIDE].ravel()])
     assert at_seams.mean() < 0.1 * error
     jumps = np.diff(tiled.depth - whole.depth, axis=1)[:, SIDE - 1 :: SIDE] / unit
-    assert np.abs(jumps).mean() < 0.08 * error  # the weights of edges pass on what the quick first maps differ by
+    assert np.abs(jumps).mean() < 0.12 * error  # the weights of edges pass on what the quick first maps differ by
 
 
 def test_one_tile_is_the_whole_but_for_the_windows_the_scale_comes_from(views):
