@@ -3,14 +3,18 @@
 PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/.installed
-DEMO := build/demo/shapes.fused
+DEMO := build/demo
+FEW_SWEEPS := --set learning.mixture.sweeps=30 --set learning.mixture.burn_in=15
 
 .PHONY: demo test verify clean
 .DELETE_ON_ERROR:
 
 demo: $(INSTALLED)
-	$(BIN)/fuse-depth sample_data/shapes --reference 005 -o $(DEMO).h5
-	@echo "Open $(CURDIR)/$(DEMO).html in a browser"
+	$(BIN)/fuse-depth sample_data/shapes --reference 005 -o $(DEMO)/shapes.fused.h5
+	$(BIN)/mocap-train sample_data/motions --actors ann,bob $(FEW_SWEEPS) -o $(DEMO)/motions.model.h5
+	$(BIN)/mocap-classify $(DEMO)/motions.model.h5 sample_data/motions --actors eve -o $(DEMO)/motions.recognition.h5
+	@echo "Open in a browser: a fused depth map, behaviours of people, and the actions of somebody who was not learnt from"
+	@for page in shapes.fused motions.model motions.recognition; do echo "  $(CURDIR)/$(DEMO)/$$page.html"; done
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest

@@ -1,4 +1,4 @@
-"""Write docs/pictures/fuse-depth.jpg from the demo's fused map: `make demo`, then `python tools/make_pictures.py`."""
+"""Write docs/pictures/*.jpg from the demo's fused map and model of actions: `make demo`, then `python tools/make_pictures.py`."""
 
 import sys
 from pathlib import Path
@@ -11,7 +11,10 @@ from ipcli.io import atomic, h5
 from ipcli.report import pictures, surface
 
 ROOT = Path(__file__).resolve().parent.parent
-DEMO = ROOT / "build" / "demo" / "shapes.fused.h5"
+DEMO = ROOT / "build" / "demo"
+SHOWN = {"kick": ("right_leg", 2), "squat": ("left_leg", 2), "walk": ("right_leg", 2), "wave": ("right_arm", 0)}  # of an action: group, axis across
+COLUMNS, CELL, FINE = 6, (104, 150), 8  # behaviours of each, pixels (width, height) of one, parts of a pixel that lines are drawn to
+PAPER, REST, GROUP = (250, 252, 252), (170, 165, 160), (30, 80, 200)  # BGR
 
 
 def coloured(values: np.ndarray, scale: pictures.Scale) -> np.ndarray:
@@ -29,9 +32,47 @@ def montage(arrays: dict[str, np.ndarray]) -> np.ndarray:
     return np.vstack([np.hstack(above), np.hstack(below)])
 
 
+def behaviours(arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """A row an action, BGR: the most frequent behaviours of one of its groups, the group picked out."""
+    poses = arrays["behaviour_poses"]
+    low, high = np.nanmin(poses, axis=(0, 1, 2)), np.nanmax(poses, axis=(0, 1, 2))
+    rows = []
+    for action, (group, across) in SHOWN.items():
+        numbers = [list(arrays[key]).index(name) for key, name in (("actions", action), ("groups", group))]
+        mine = np.flatnonzero((arrays["behaviour_action"] == numbers[0]) & (arrays["behaviour_group"] == numbers[1]))
+        best = mine[np.argsort(-arrays["behaviour_share"][mine], kind="stable")][:COLUMNS]
+        members = arrays["group_members"]
+        picked = members[members[:, 0] == numbers[1], 1]
+        cells = [drawn(poses[index], arrays["parents"], picked, across, low, high) for index in best]
+        rows.append(np.hstack(cells + [np.full_like(cells[0], PAPER)] * (COLUMNS - len(cells))))
+    return np.vstack([np.hstack(rows[:2]), np.hstack(rows[2:])])
+
+
+def drawn(poses: np.ndarray, parents: np.ndarray, picked: np.ndarray, across: int, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Poses (p, j, 3) over each other, the first in full and of the others the group alone, faint."""
+    width, height = CELL
+    image = np.full((height, width, 3), PAPER, np.uint8)
+    scale = 0.9 * height / (high[1] - low[1])
+    middle = (low[across] + high[across]) / 2
+    for index, pose in list(enumerate(poses))[::-1]:
+        flat = np.stack([width / 2 + scale * (pose[:, across] - middle), 0.95 * height - scale * (pose[:, 1] - low[1])], axis=1)
+        for joint, parent in enumerate(parents):
+            mine = joint in picked
+            if parent >= 0 and (mine or index == 0):
+                colour = REST if not mine else GROUP if index == 0 else tuple((2 * p + g) // 3 for p, g in zip(PAPER, GROUP, strict=True))
+                ends = (tuple(int(x) for x in (FINE * flat[end]).round()) for end in (parent, joint))
+                cv2.line(image, *ends, colour, 3 if mine and index == 0 else 2, cv2.LINE_AA, int(np.log2(FINE)))
+    return image
+
+
+def write(name: str, picture: np.ndarray) -> None:
+    """A BGR picture as docs/pictures/NAME.jpg."""
+    _, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 88])
+    atomic.write_bytes(ROOT / "docs" / "pictures" / f"{name}.jpg", data.tobytes())
+
+
 if __name__ == "__main__":
-    if not DEMO.is_file():
+    if not (DEMO / "motions.model.h5").is_file():
         sys.exit(f"{DEMO}: not there. Run `make demo` first")
-    picture = montage(h5.read(DEMO, "depth").arrays)
-    _, data = cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 88])
-    atomic.write_bytes(ROOT / "docs" / "pictures" / "fuse-depth.jpg", data.tobytes())
+    write("fuse-depth", montage(h5.read(DEMO / "shapes.fused.h5", "depth").arrays)[..., ::-1])
+    write("mocap-train", behaviours(h5.read(DEMO / "motions.model.h5", "behaviours").arrays))

@@ -90,12 +90,28 @@ def test_a_quick_look_ends_in_a_page_and_a_table(name, tmp_path):
     assert rows["aligned", "clips", "clips"] == 100 and rows["aligned", "frames", "frames"] > 90
 
 
+@pytest.mark.slow
+def test_the_demo_names_pages_that_are_there_and_all_that_a_stranger_does(tmp_path):
+    told = make(tmp_path, "demo")
+    pages = [Path(line.strip()) for line in told.splitlines() if line.endswith(".html")]
+    assert len(pages) == 3 and all(page.is_file() for page in pages)
+    with (tmp_path / "build" / "demo" / "motions.recognition.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == 12 and all(row["clip"].split(".")[:2] == [row["action"], "eve"] for row in rows)
+
+
 def made(place, name):
-    """What a target leaves, from nothing, in a folder of its own; with data that are not there."""
+    """What the target of an experiment leaves, as a quick look; with data that are not there."""
+    make(place, f"experiments/mocap-{name}", "QUICK=1")
+    return place / "build" / "experiments" / f"mocap-{name}-quick"
+
+
+def make(place, *targets):
+    """What make says, from nothing, in a folder of its own."""
     for part in ("Makefile", "experiments", "configs", "ipcli", "pyproject.toml", "sample_data"):
         (place / part).symlink_to(ROOT / part)
     environment = {**os.environ, "PYTHONPATH": str(place), "IPCLI_DATA": str(place / "nothing")}
-    command = ["make", "-o", ".venv/.installed", f"BIN={Path(sys.executable).parent}", "QUICK=1", f"experiments/mocap-{name}"]
+    command = ["make", "-o", ".venv/.installed", f"BIN={Path(sys.executable).parent}", *targets]
     done = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-2000:]
-    return place / "build" / "experiments" / f"mocap-{name}-quick"
+    return done.stdout
