@@ -112,9 +112,8 @@ def _frames(method: Any, problem: Problem, clips: list[np.ndarray], split: Split
     return {"frames": float(np.concatenate(right).mean())}
 
 
-def over(problem: Problem, name: str, setting: dict[str, Any], splits: Sequence[Split], kinds: Sequence[str | int]) -> dict[str, Any]:
-    """Mean over the splits, and where there are several the standard deviation, of what `measure` finds."""
-    found = [measure(problem, name, setting, split, kinds) for split in splits]
+def over(found: Sequence[dict[str, float]]) -> dict[str, Any]:
+    """Mean over the splits, and where there are several the standard deviation, of what `measure` found on each."""
     table = {key: np.array([one[key] for one in found]) for key in found[0]}
     spread = {f"{key} sd": float(values.std(ddof=1)) for key, values in table.items() if len(found) > 1 and " s" not in key}
     return {key: float(values.mean()) for key, values in table.items()} | spread
@@ -127,9 +126,13 @@ def judged(clips: str, name: str, development: list[str], spared: int, mirror: b
     grid = METHODS[name][1]
     grid = tuple(setting | {"mirror": mirror} for mirror in (False, True) for setting in grid) if mirror else grid
     _warm_up(problem, name, grid[0])
-    tried = [over(problem, name, setting, chosen, ("whole", HANDFULS[0])) for setting in grid]
+    tried = [over([measure(problem, name, setting, split, ("whole", HANDFULS[0])) for split in chosen]) for setting in grid]
     best = max(range(len(grid)), key=lambda index: (round(tried[index]["whole"], 3), tried[index][str(HANDFULS[0])]))
-    figures = {key: over(problem, name, grid[best], splits, ("whole", "shuffled", *HANDFULS)) for key, splits in reported.items()}
+    found = {}  # of each split once, though it be of two protocols
+    for split in (split for splits in reported.values() for split in splits):
+        if id(split) not in found:
+            found[id(split)] = measure(problem, name, grid[best], split, ("whole", "shuffled", *HANDFULS))
+    figures = {key: over([found[id(split)] for split in splits]) for key, splits in reported.items()}
     return {"setting": grid[best], "development": tried[best], "figures": figures}
 
 
