@@ -94,7 +94,7 @@ METHODS = {
     "median": Method(median),
     "scikit-image ROF on the median": Method(rof, {"weight": (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)}, "skimage"),
     "Open3D VoxelBlockGrid": Method(
-        voxels, {"voxel": (1.0, 2.0, 4.0, 8.0), "truncation": (4.0, 8.0, 16.0, 32.0), "weight": (1.0, 2.0, 4.0, 8.0)}, "open3d"
+        voxels, {"voxel": (2.0, 3.0, 4.0, 6.0, 8.0), "truncation": (4.0, 8.0, 16.0), "weight": (1.0, 2.0, 4.0, 8.0)}, "open3d"
     ),
 }
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 SAMPLE = 100_000  # points, evenly spaced in their order, that distances are taken of
 NEAR = 0.005  # in the unit of the scene, metres: precision, recall and F-score are about what lies nearer
-VOXELS = (0.004, 0.006, 0.008, 0.012, 0.016, 0.024)  # side, in units of the scene
+VOXELS = (0.004, 0.006, 0.009, 0.014, 0.02, 0.03)  # side, in units of the scene
 TRUNCATIONS = (4.0, 8.0, 16.0)  # voxels
 WEIGHTS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # maps that must have seen a point
 VIEWS, MAPS = "Open3D VoxelBlockGrid of the views", "Open3D VoxelBlockGrid of our fused maps"
