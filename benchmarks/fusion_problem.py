@@ -11,6 +11,7 @@ from benchmarks import scene
 from ipcli.geometry.cameras import View
 from ipcli.inverse.regularize.operators import gradient, symmetrised_gradient
 from ipcli.inverse.regularize.parameters import Regulariser
+from ipcli.models.fusion.parameters import Fusion
 
 LAMBDA = 0.3  # for all solvers; what `fuse-depth` takes for eleven observations a pixel, to one figure
 
@@ -21,7 +22,7 @@ class Problem:
 
     layers: np.ndarray  # (K, h, w) float32, NaN = no observation
     lam: float = LAMBDA
-    regulariser: Regulariser = Regulariser()
+    regulariser: Regulariser = Fusion().regulariser
 
     @property
     def shape(self) -> tuple[int, int]:
