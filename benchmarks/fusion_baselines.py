@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import partial
 from importlib.util import find_spec
 from itertools import product
 from pathlib import Path
@@ -60,15 +60,11 @@ def rof(scene: Scene, weight: float) -> np.ndarray:
     return (denoise_tv_chambolle((depth - low) / (high - low), weight=weight) * (high - low) + low).astype(np.float32)
 
 
-def voxels(scene: Scene, voxel: float, truncation: float, weight: float) -> np.ndarray:
-    """Open3D's VoxelBlockGrid: side of a voxel in pixels at the median depth, truncation in voxels, least weight."""
-    return tsdf.depth(_volume(scene, voxel, truncation), scene.reference, weight)
-
-
-@lru_cache(maxsize=1)
-def _volume(scene: Scene, voxel: float, truncation: float) -> Any:
+def voxels(scene: Scene, voxel: float, truncation: float) -> np.ndarray:
+    """Open3D's VoxelBlockGrid: side of a voxel in pixels at the median depth, truncation in voxels. A surface needs one observation:
+    where more are asked for there are holes, and elsewhere the same depth."""
     side = voxel * float(np.nanmedian(scene.reference.depth)) / scene.reference.intrinsics[0, 0]
-    return tsdf.volume(scene.views, side, truncation)
+    return tsdf.depth(tsdf.volume(scene.views, side, truncation), scene.reference, 1.0)
 
 
 @dataclass(frozen=True)
@@ -94,14 +90,13 @@ METHODS = {
     "median": Method(median),
     "scikit-image ROF on the median": Method(rof, {"weight": (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)}, "skimage"),
     "Open3D VoxelBlockGrid": Method(
-        voxels, {"voxel": (2.0, 3.0, 4.0, 6.0, 8.0), "truncation": (4.0, 8.0, 16.0), "weight": (1.0, 2.0, 4.0, 8.0)}, "open3d"
+        voxels, {"voxel": (1.0, 1.5, 2.0, 3.0, 4.0, 6.0), "truncation": (8.0, 16.0, 32.0, 64.0)}, "open3d"
     ),
 }
 
 
 def fused(name: str, source: dict[str, Any], settings: Sequence[dict[str, Any]], folder: str) -> list[float]:
-    """Save the depth maps of a method, one a setting, and the seconds of each; of settings that share a volume only the first
-    counts that."""
+    """Save the depth maps of a method, one a setting; the seconds of each."""
     method, scene, seconds = METHODS[name], open_scene(**source), []
     method.run(open_scene(**WARM), **settings[0])
     for index, setting in enumerate(settings):
