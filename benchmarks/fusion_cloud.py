@@ -64,7 +64,7 @@ def volumes(views: str | None, folder: str, voxel: float, truncation: float, wei
     integrated, seconds = time.perf_counter() - started, []
     for weight in weights:
         started = time.perf_counter()
-        cloud = tsdf.points(grid, weight)
+        cloud = tsdf.points(grid, weight, 0.6 * NEAR)
         seconds.append(integrated + time.perf_counter() - started)
         np.save(Path(folder) / f"cloud {weight}.npy", cloud)
     return seconds

@@ -34,10 +34,19 @@ def volume(views: Sequence[View], voxel: float, truncation: float) -> Any:
     return grid
 
 
-def points(grid: Any, weight: float) -> np.ndarray:
-    """Points (n, 3) of the surface where at least so many observations are."""
-    cloud = _surface(grid.extract_point_cloud, weight)
-    return np.empty((0, 3), np.float32) if cloud is None else cloud.point.positions.numpy()
+def points(grid: Any, weight: float, spacing: float) -> np.ndarray:
+    """Points (n, 3) at random on the mesh of the surface where at least so many observations are, one in each square of this side.
+
+    The grid's own points are as far apart as its voxels, which would make coarse ones seem to miss what they reach.
+    """
+    from ipcli.geometry import open3d
+
+    o3d, mesh = open3d.load(), _surface(grid.extract_triangle_mesh, weight)
+    if mesh is None:
+        return np.empty((0, 3))
+    surface = mesh.to_legacy()
+    o3d.utility.random.seed(0)
+    return np.asarray(surface.sample_points_uniformly(max(1, int(surface.get_surface_area() / spacing**2))).points)
 
 
 def depth(grid: Any, camera: View, weight: float) -> np.ndarray:

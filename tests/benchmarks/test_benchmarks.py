@@ -94,9 +94,9 @@ def test_the_volume_of_clean_views_is_the_surface_they_see():
     error = tsdf.depth(grid, views[1], 1.0) - views[1].truth
     assert np.isfinite(error).mean() > 0.9
     assert abs(np.nanmedian(error)) < 0.001 and np.nanmedian(np.abs(error)) < 0.003
-    assert not len(tsdf.points(grid, 9.0)) and np.isnan(tsdf.depth(grid, views[1], 9.0)).all()
+    assert not len(tsdf.points(grid, 9.0, 0.01)) and np.isnan(tsdf.depth(grid, views[1], 9.0)).all()
     normals, offsets = scene.PLANES[:, :3], scene.PLANES[:, 3]
-    distance = np.abs((offsets - tsdf.points(grid, 1.0) @ normals.T) / np.linalg.norm(normals, axis=1)).min(axis=1)
+    distance = np.abs((offsets - tsdf.points(grid, 1.0, 0.01) @ normals.T) / np.linalg.norm(normals, axis=1)).min(axis=1)
     on_a_plane = distance < 0.02
     assert on_a_plane.mean() > 0.5 and np.median(distance[on_a_plane]) < 0.002
 
