@@ -26,10 +26,11 @@ if TYPE_CHECKING:
 
 SAMPLE = 100_000  # points, evenly spaced in their order, that distances are taken of
 NEAR = 0.005  # in the unit of the scene, metres: precision, recall and F-score are about what lies nearer
-VOXELS = (0.004, 0.006, 0.009, 0.014, 0.02, 0.03)  # side, in units of the scene
-TRUNCATIONS = (4.0, 8.0, 16.0)  # voxels
-WEIGHTS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # maps that must have seen a point
 VIEWS, MAPS = "Open3D VoxelBlockGrid of the views", "Open3D VoxelBlockGrid of our fused maps"
+GRIDS = {  # sides of a voxel in the unit, truncations in voxels, least numbers of maps that have seen a point
+    VIEWS: ((0.004, 0.006, 0.009, 0.014), (8.0, 16.0, 32.0), (1.0, 4.0, 8.0, 12.0, 16.0, 24.0)),
+    MAPS: ((0.003, 0.004, 0.006, 0.009), (4.0, 8.0, 16.0), (1.0, 2.0, 4.0)),
+}
 
 
 def fused(views: str, folder: str, window: int, step: int) -> float:
@@ -119,14 +120,14 @@ class Truth:
         return figures | {"F-score %": both, "points": float(len(cloud))}
 
 
-def tune(truth: Truth, views: str | None, folder: str, threads: int) -> list[dict[str, Any]]:
+def tune(truth: Truth, method: str, views: str | None, folder: str, threads: int) -> list[dict[str, Any]]:
     """A row for each setting of the TSDF of the views, or of the fused maps in the folder."""
-    rows = []
-    for voxel, truncation in product(VOXELS, TRUNCATIONS):
-        say(f"voxels of {voxel}, truncation {truncation}")
-        arguments = {"views": views, "folder": folder, "voxel": voxel, "truncation": truncation, "weights": WEIGHTS}
+    rows, (voxels, truncations, weights) = [], GRIDS[method]
+    for voxel, truncation in product(voxels, truncations):
+        say(f"{method}, voxels of {voxel}, truncation {truncation}")
+        arguments = {"views": views, "folder": folder, "voxel": voxel, "truncation": truncation, "weights": weights}
         isolated("benchmarks.fusion_cloud:volumes", threads, **arguments)
-        for weight in WEIGHTS:
+        for weight in weights:
             figures = truth.judge(np.load(Path(folder) / f"cloud {weight}.npy"))
             rows.append({"voxel": voxel, "truncation": truncation, "weight": weight} | figures)
     return rows
@@ -175,7 +176,7 @@ def main(arguments: list[str] | None = None) -> None:
     with tempfile.TemporaryDirectory() as folder:
         isolated("benchmarks.fusion_cloud:fused", chosen.threads, views=development, folder=folder, window=chosen.window, step=chosen.step)
         for method, of in ((VIEWS, development), (MAPS, None)):
-            tables[f"Tuning: {method}"] = tune(truth, of, folder, chosen.threads)
+            tables[f"Tuning: {method}"] = tune(truth, method, of, folder, chosen.threads)
     settings = {method: best(tables[f"Tuning: {method}"]) for method in (VIEWS, MAPS)}
     heading = "Ours at its defaults, the TSDF as tuned; distances in 1e-3 of the unit"
     facts = {"tuned on": chosen.tune.name, "reported on": chosen.views.name, "near, in the unit": NEAR} | same

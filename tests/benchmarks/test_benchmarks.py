@@ -146,8 +146,7 @@ def test_precision_and_recall_of_a_cloud_are_those_of_its_points():
 @pytest.mark.slow
 def test_clouds_of_a_sequence_have_all_their_rows(tmp_path, monkeypatch):
     skip_without("open3d")
-    monkeypatch.setattr(fusion_cloud, "VOXELS", (0.04, 0.08))
-    monkeypatch.setattr(fusion_cloud, "TRUNCATIONS", (4.0,))
+    monkeypatch.setattr(fusion_cloud, "GRIDS", dict.fromkeys(fusion_cloud.GRIDS, ((0.04, 0.08), (4.0,), (1.0, 3.0))))
     for name, seed in (("development", 1), ("report", 2)):
         artefact = sequences.views_artefact(scene.views(6, (48, 64), seed), unit="m", measured="depth")
         h5.write(tmp_path / f"{name}.views.h5", "views", artefact, {})
@@ -156,7 +155,7 @@ def test_clouds_of_a_sequence_have_all_their_rows(tmp_path, monkeypatch):
     rows, *tuning = json.loads((tmp_path / "fusion_cloud.json").read_text())["tables"].values()
     assert [row["method"] for row in rows] == ["ipcli", fusion_cloud.VIEWS, fusion_cloud.MAPS]
     assert all(0 < row["F-score %"] <= 100 and row["seconds"] > 0 for row in rows)
-    assert [len(table) for table in tuning] == [2 * len(fusion_cloud.WEIGHTS)] * 2
+    assert [len(table) for table in tuning] == [4, 4]
 
 
 @pytest.mark.slow
