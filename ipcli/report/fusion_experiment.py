@@ -167,7 +167,8 @@ def methods_section(e: Experiment) -> Markup:
     scenes = ", ".join(map(str, e.table["scenes"]))
     kind = "Arithmetic" if e.arithmetic else "Geometric (of percentages: arithmetic)"
     lead = (
-        f"{kind} means over {scenes}. centred RMSE, Z-MAE, N-MAE, Z-avg, out-3 and D-avg are the thesis' measures; RMSE and MAE are plain. "
+        f"{kind} means over {scenes}. centred RMSE, Z-MAE, N-MAE, Z-avg, out-3 and D-avg are the thesis' measures; RMSE and MAE are plain, "
+        "and so is out-3 seen: of the pixels where all maps have a value, with no gap filled. "
         "AUSE: how far the order of the pixels by confidence, uncertainty or angle of view is from that by their errors, 0 the best. "
         "Bold: the best of a column."
     )

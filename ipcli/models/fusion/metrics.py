@@ -8,7 +8,7 @@ from ipcli.geometry.surface import normals
 from ipcli.kernels import threads
 
 DEPTH_COLUMNS = ("density %", "RMSE", "MAE", "centred RMSE", "Z-MAE", "N-MAE rad")
-DISPARITY_COLUMNS = ("out-3 %", "D-avg px")
+DISPARITY_COLUMNS = ("out-3 %", "D-avg px", "out-3 seen %")
 
 
 def compare(
@@ -22,7 +22,8 @@ def compare(
     mean and the median error; N-MAE is the mean angle between the normals in radians, a missing normal counting 90 degrees;
     of the maps in `own_normals` those (h, w, 3) are judged, of others those of the map.
     With baseline_focal (pixels times unit) follow the share of disparities that are off by more than 3 px and the mean
-    disparity error, both after the background interpolation of the KITTI benchmark and so on every pixel of the truth.
+    disparity error, both after the background interpolation of the KITTI benchmark and so on every pixel of the truth, and that
+    share of the pixels alone where every map has a value.
     """
     known = np.isfinite(truth)
     everywhere = known & np.isfinite(np.stack(list(maps.values()))).all(axis=0)
@@ -30,9 +31,13 @@ def compare(
 
     def row(name: str) -> list[float]:
         depth = maps[name]
-        found = own_normals[name] if own_normals and name in own_normals else normals(depth, intrinsics)
-        angle = normal_error(found, true_normals, everywhere)
-        disparity = disparity_errors(baseline_focal / depth, baseline_focal / truth) if baseline_focal else []
+        own = own_normals[name] if own_normals and name in own_normals else normals(depth, intrinsics)
+        angle = normal_error(own, true_normals, everywhere)
+        disparity = []
+        if baseline_focal:
+            found, true = baseline_focal / depth, baseline_focal / truth
+            seen = disparity_errors(found, np.where(everywhere, true, np.nan))[0] if everywhere.any() else float("nan")
+            disparity = [*disparity_errors(interpolate_background(found), true), seen]
         return [100 * np.isfinite(depth[known]).mean(), *depth_errors(depth, truth, everywhere), angle, *disparity]
 
     rows = threads.each(row, list(maps))
@@ -60,7 +65,7 @@ def normal_error(n: np.ndarray, true_n: np.ndarray, where: np.ndarray) -> float:
 def disparity_errors(disparity: np.ndarray, truth: np.ndarray, tolerance: float = 3.0) -> list[float]:
     """Percentage of the pixels of the truth off by more than `tolerance`, and mean error, in pixels."""
     known = np.isfinite(truth)
-    error = np.abs(interpolate_background(disparity)[known] - truth[known])
+    error = np.abs(disparity[known] - truth[known])
     return [float(100 * (error > tolerance).mean()), float(error.mean())]
 
 

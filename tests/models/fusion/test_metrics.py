@@ -32,7 +32,7 @@ def test_normal_errors_are_angles_and_a_missing_normal_counts_a_right_one():
 
 def test_disparity_errors_count_what_is_off_by_more_than_three_pixels():
     truth = np.array([[10.0, 10, 10, 10, np.nan]])
-    disparity = np.array([[10.0, 13, 13.5, np.nan, 20]])  # the gap is filled with 13.5
+    disparity = np.array([[10.0, 13, 13.5, 13.5, 20]])
     assert disparity_errors(disparity, truth) == pytest.approx([50.0, (0 + 3 + 3.5 + 3.5) / 4])
 
 
@@ -42,11 +42,22 @@ def test_maps_are_compared_where_all_have_a_value_but_their_density_is_their_own
     dense[4, 5], sparse[:, :3] = 9.0, np.nan
     truth[4, 5] = np.nan
     columns, rows = compare({"dense": dense, "sparse": sparse}, truth, camera((5, 6)), baseline_focal=30.0)
-    assert columns[0] == "density %" and columns[-2:] == ["out-3 %", "D-avg px"]
+    assert columns[0] == "density %" and columns[-3:] == ["out-3 %", "D-avg px", "out-3 seen %"]
     np.testing.assert_allclose(rows[0, :5], [100, 0.5, 0.5, 0, 0], atol=1e-6)
     np.testing.assert_allclose(rows[1, :5], [100 * 14 / 29, 0, 0, 0, 0], atol=1e-6)
-    np.testing.assert_allclose(rows[:, -2:], [[0, 3], [0, 0]], atol=1e-5)  # 30 / 2 - 30 / 2.5 = 3 is not more than 3
+    np.testing.assert_allclose(rows[:, -3:], [[0, 3, 0], [0, 0, 0]], atol=1e-5)  # 30 / 2 - 30 / 2.5 = 3 is not more than 3
     assert compare({"dense": dense}, truth, camera((5, 6)), None)[1].shape == (1, 6)
+
+
+def test_disparities_are_counted_with_the_gaps_filled_and_where_all_are_seen():
+    truth = np.tile(np.array([3, 3, 3, 3, 1.0], np.float32), (3, 1))  # disparities of 10 and 30
+    sparse = truth.copy()
+    sparse[:, 3] = np.nan  # filled from the left, the background
+    off = truth.copy()
+    off[0] = 1.0
+    _, rows = compare({"sparse": sparse, "off": off}, truth, camera((3, 5)), baseline_focal=30.0)
+    np.testing.assert_allclose(rows[:, -3:], [[0, 0, 0], [100 * 4 / 15, 20 * 4 / 15, 100 * 3 / 12]], atol=1e-5)
+    assert np.isnan(compare({"sparse": sparse, "none": np.full_like(truth, np.nan)}, truth, camera((3, 5)), 30.0)[1][:, -1]).all()
 
 
 def development_kit(disparity):
