@@ -43,7 +43,7 @@ figcaption span{display:block;color:var(--soft);font-size:13.5px}
 .scroll{overflow-x:auto;margin-top:16px}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:14px}
 th,td{padding:6px 0 6px 28px;text-align:right;border-bottom:1px solid var(--line);font-weight:400;white-space:nowrap}
-th:first-child{padding-left:0;text-align:left}
+th:first-child{padding-left:0;text-align:left}tbody th:first-child{white-space:normal;min-width:9em}
 thead th{color:var(--soft);font-size:13px;vertical-align:bottom;border-bottom:1px solid var(--soft)}
 td strong{font-weight:700}
 .dense th,.dense td{padding-left:15px}
