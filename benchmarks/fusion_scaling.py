@@ -16,8 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.measure import OUTPUT, forget_peak, isolated, peak_memory, publish, say
+from benchmarks.measure import OUTPUT, forget_peak, isolated, peak_memory, publish, save, say
 
+NAME, TITLE = "fusion_scaling", "Fusion: growth of time and memory"
 MIDDLE = (1.0, 11)  # Mpx and K that stay while the other one grows
 PIXELS = (0.3, 1.0, 3.0, 12.0)  # Mpx
 OBSERVATIONS = (3, 11, 21, 41)
@@ -250,14 +251,15 @@ def main(arguments: list[str] | None = None) -> None:
     )
     say("STREAM triad")
     speeds = {threads: isolated("benchmarks.fusion_scaling:triad", threads, threads=threads) for threads in THREADS}
-    rows = [
-        measured(*case, threads) for case in cases(options.pixels, options.observations, middle) for threads in THREADS
-    ]
-    tables = {"Cases": rows, "Growth": exponents(rows, middle), "Bandwidth": bandwidth(rows, speeds)}
+    rows, tables = [], {}
+    for case in cases(options.pixels, options.observations, middle):
+        rows += [measured(*case, threads) for threads in THREADS]
+        tables = {"Cases": rows, "Growth": exponents(rows, middle), "Bandwidth": bandwidth(rows, speeds)}
+        save(NAME, TITLE, tables, {}, options.output)
     largest = max(options.pixels)
     corners = sorted({(largest, middle[1]), (largest, max(options.observations))})
     tables["In tiles, views read from disk"] = in_tiles(corners, max(THREADS))
-    publish("fusion_scaling", "Fusion: growth of time and memory", tables, {}, options.output)
+    publish(NAME, TITLE, tables, {}, options.output)
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
