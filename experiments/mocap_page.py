@@ -18,7 +18,7 @@ from ipcli.report.mocap_experiment import Bar, Experiment, Printed
 
 HERE = Path(__file__).parent
 LEAD = (
-    "aligned: the defaults of mocap-train; single poses and handfuls leave out how the body moves. thesis: chapter 5 as printed (configs/mocap-train/thesis.toml). known: aligned, of people who are "
+    "aligned: the defaults of mocap-train{mirror}; single poses and handfuls leave out how the body moves. thesis: chapter 5 as printed (configs/mocap-train/thesis.toml). known: aligned, of people who are "
     "among those learnt from (--spread 0)."
 )
 EXPERIMENTS = {
@@ -51,9 +51,10 @@ def gather(name: str, files: list[Path], quick: bool) -> Experiment:
         else:
             model = h5.read(path, "behaviours").arrays
     title, lead = EXPERIMENTS[name]
+    how = LEAD.format(mirror="" if name == "hdm05" else " but for the mirror images of all clips, which are learnt as well (--mirror)")
     lead = QUICK if quick else lead
     printed = {number: read_printed(number) for number in ("5.1", "5.2")} if name == "hdm05" else {}
-    return Experiment(title, lead + LEAD, evaluations, model, [] if quick else read_bars(name), printed, peers)
+    return Experiment(title, lead + how, evaluations, model, [] if quick else read_bars(name), printed, peers)
 
 
 def read_printed(number: str) -> Printed:
