@@ -62,8 +62,6 @@ def run(paths: Sequence[Path], output: Path, params: Params, run: Run, progress:
 
 def model_artefact(paths: Sequence[Path], params: Params, run: Run, work: Checkpoint, progress: Progress) -> dict[str, np.ndarray]:
     """The arrays of the `behaviours` artefact."""
-    import numpy as np
-
     from ipcli.models.mocap import behaviours, recognition
     from ipcli.models.mocap.features import reference_lengths
 
@@ -72,7 +70,7 @@ def model_artefact(paths: Sequence[Path], params: Params, run: Run, work: Checkp
     names, actions = numbered(known.labels)
     taught = motions.to_learn(known, params.learning.mirror)
     features = motions.features(taught, lengths, params.learning.features)
-    lesson = Lesson.of(features, np.resize(actions, len(taught.clip)), names, params.learning, run.seed)
+    lesson = Lesson.of(features, numbered(taught.labels)[1], names, params.learning, run.seed)
     trials = rehearsals(known, taught, params, run.seed)
     lessons = {"": lesson} | {trial: one.lesson for trial, one in trials.items()}
     points = {f"{trial}{cell}": x for trial, one in lessons.items() for cell, x in one.points.items()}

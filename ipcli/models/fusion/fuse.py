@@ -178,12 +178,12 @@ def fuse_layers(
     if method.of_median:
         x = data.median()[None]
     problem = pose(Observations.of(x) if method.of_median else data, lam, method, fusion)
-    if fusion.edges.image and reference.image is not None:
-        problem = problem.regularised_by(image_weights(reference.image, fusion.edges.image))
     history = History()
     if method.order == 0:
         iterate = tgv.Iterate.at(data.mean() if method.deviation == "squared" else data.median())
         return Pass(layers.depth, units, data, problem, iterate, history)
+    if fusion.edges.image and reference.image is not None:
+        problem = problem.regularised_by(image_weights(reference.image, fusion.edges.image))
     weight = float(data.total.sum() / data.count.sum())  # of an observation, on average: the start takes them all alike
     levels = fusion.solver.levels
     iterate = before.iterate_in(units) if before else start(x, lam * weight, problem.regulariser, fusion.solver, levels)

@@ -36,7 +36,7 @@ def compare(
         disparity = []
         if baseline_focal:
             found, true = baseline_focal / depth, baseline_focal / truth
-            seen = disparity_errors(found, np.where(everywhere, true, np.nan))[0] if everywhere.any() else float("nan")
+            seen, _ = disparity_errors(found, np.where(everywhere, true, np.nan))
             disparity = [*disparity_errors(interpolate_background(found), true), seen]
         return [100 * np.isfinite(depth[known]).mean(), *depth_errors(depth, truth, everywhere), angle, *disparity]
 
@@ -63,8 +63,10 @@ def normal_error(n: np.ndarray, true_n: np.ndarray, where: np.ndarray) -> float:
 
 
 def disparity_errors(disparity: np.ndarray, truth: np.ndarray, tolerance: float = 3.0) -> list[float]:
-    """Percentage of the pixels of the truth off by more than `tolerance`, and mean error, in pixels."""
+    """Percentage of the pixels of the truth off by more than `tolerance`, and mean error, in pixels; NaN without any."""
     known = np.isfinite(truth)
+    if not known.any():
+        return [float("nan")] * 2
     error = np.abs(disparity[known] - truth[known])
     return [float(100 * (error > tolerance).mean()), float(error.mean())]
 
