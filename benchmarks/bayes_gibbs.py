@@ -28,7 +28,9 @@ PEERS = {"scikit-learn BayesianGaussianMixture": "sklearn", "dpmmlearn (Neal's A
 
 
 def planted(n: int, k: int, d: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points (n, d) of k Gaussians of unlike shapes in units of their standard deviation, their labels, and points held out."""
+    """Points (n, d) of k Gaussians of unlike shapes in units of their standard deviation, their labels, and points held
+    out.
+    """
     rng = np.random.default_rng(seed)
     labels = rng.integers(k, size=n + HELD_OUT)
     centres, roots = 3 * rng.normal(size=(k, d)), rng.normal(size=(k, d, d)) / np.sqrt(d)
@@ -37,7 +39,9 @@ def planted(n: int, k: int, d: int, seed: int = 0) -> tuple[np.ndarray, np.ndarr
     return x[:n], labels[:n], x[n:]
 
 
-def _row(n: int, passes: int, seconds: float, labels: np.ndarray, truth: np.ndarray, held_out: float | None) -> dict[str, Any]:
+def _row(
+    n: int, passes: int, seconds: float, labels: np.ndarray, truth: np.ndarray, held_out: float | None
+) -> dict[str, Any]:
     from ipcli.inverse.bayes.partitions import variation_of_information
 
     return {
@@ -80,13 +84,17 @@ def our_sweep(n: int, k: int, d: int, sweeps: int) -> dict[str, Any]:
 
 
 def sklearn(n: int, k: int, d: int, sweeps: int) -> dict[str, Any]:
-    """Variational, 2 k components at the most, its Dirichlet process prior and the prior covariance with the best density."""
+    """Variational, 2 k components at the most, its Dirichlet process prior and the prior covariance with the best
+    density.
+    """
     from sklearn.mixture import BayesianGaussianMixture
 
     x, truth, rest = planted(n, k, d)
     found, clock = [], Clock()
     for share in (1.0, 0.1, 0.01):
-        model = BayesianGaussianMixture(n_components=2 * k, covariance_prior=share * np.eye(d), max_iter=500, random_state=0)
+        model = BayesianGaussianMixture(
+            n_components=2 * k, covariance_prior=share * np.eye(d), max_iter=500, random_state=0
+        )
         with clock:
             model.fit(x)
         found.append((float(model.score(rest)), clock.last, model))
@@ -95,7 +103,9 @@ def sklearn(n: int, k: int, d: int, sweeps: int) -> dict[str, Any]:
 
 
 def dpmmlearn(n: int, k: int, d: int, sweeps: int) -> dict[str, Any]:
-    """From k-means++ labels as ours starts; the prior covariance in {1, 0.1, 0.01} of the data's that comes nearest to the truth."""
+    """From k-means++ labels as ours starts; the prior covariance in {1, 0.1, 0.01} of the data's that comes nearest to
+    the truth.
+    """
     from dpmmlearn import DPMM
     from dpmmlearn.probability import NormInvWish
 
@@ -134,7 +144,9 @@ def many(models: int, sweeps: int) -> list[dict[str, Any]]:
         clock = Clock()
         with clock:
             map_items(partial(learn_one, sweeps=sweeps), names, executor)
-        rows.append({"executor": executor, "models": models, "points": MODEL_POINTS, "sweeps": sweeps, "seconds": clock.last})
+        rows.append(
+            {"executor": executor, "models": models, "points": MODEL_POINTS, "sweeps": sweeps, "seconds": clock.last}
+        )
     return rows
 
 

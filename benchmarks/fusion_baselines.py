@@ -2,21 +2,21 @@
 
     python -m benchmarks.fusion_baselines [--tune DEVELOPMENT.h5 --views FILE.h5 ...] [--quick]
 
-The setting of each is the best of a declared grid on the development scene, and the others are reported; ours stands at its
-defaults. Without files the scenes are generated, of one seed for the development and of others for the report.
+The setting of each is the best of a declared grid on the development scene, and the others are reported; ours stands at
+its defaults. Without files the scenes are generated, of one seed for the development and of others for the report.
 """
 
 from __future__ import annotations
 
 import argparse
+import tempfile
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from importlib.util import find_spec
 from itertools import product
 from pathlib import Path
-import tempfile
-import time
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,8 @@ from benchmarks.fusion_problem import Scene, open_scene
 from benchmarks.measure import OUTPUT, isolated, publish, save, say
 
 WARM = {"count": 3, "shape": (48, 64)}  # what is compiled or loaded on the first call is not counted
-FULL = 0.95  # share of the fullest map of its method that a map must have: empty ones must not decide where others are judged
+# share of the fullest map of its method that a map must have: empty ones must not decide where others are judged
+FULL = 0.95
 SEEDS = (1, (2, 3))  # generated scenes for the development and for the report
 
 
@@ -61,8 +62,9 @@ def rof(scene: Scene, weight: float) -> np.ndarray:
 
 
 def voxels(scene: Scene, voxel: float, truncation: float) -> np.ndarray:
-    """Open3D's VoxelBlockGrid: side of a voxel in pixels at the median depth, truncation in voxels. A surface needs one observation:
-    where more are asked for there are holes, and elsewhere the same depth."""
+    """Open3D's VoxelBlockGrid: side of a voxel in pixels at the median depth, truncation in voxels. A surface needs one
+    observation: where more are asked for there are holes, and elsewhere the same depth.
+    """
     side = voxel * float(np.nanmedian(scene.reference.depth)) / scene.reference.intrinsics[0, 0]
     return tsdf.depth(tsdf.volume(scene.views, side, truncation), scene.reference, 1.0)
 
@@ -107,7 +109,9 @@ def fused(name: str, source: dict[str, Any], settings: Sequence[dict[str, Any]],
     return seconds
 
 
-def maps(source: dict[str, Any], settings: Mapping[str, Sequence[dict[str, Any]]], threads: int) -> dict[str, list[tuple[float, np.ndarray]]]:
+def maps(
+    source: dict[str, Any], settings: Mapping[str, Sequence[dict[str, Any]]], threads: int
+) -> dict[str, list[tuple[float, np.ndarray]]]:
     """Seconds and depth map of each setting of each method."""
     found = {}
     for name, tried in settings.items():
@@ -135,25 +139,37 @@ def errors(found: Mapping[str, list[tuple[float, np.ndarray]]], truth: np.ndarra
         figures = {"MAE": np.abs(error).mean(), "RMSE": np.sqrt(np.square(error).mean()), "mean": error.mean()}
         return {"seconds": seconds} | {key: float(value) for key, value in figures.items()} | {"density %": 100 * share}
 
-    return {name: [row(*of) for of in zip(runs, density[name], full[name], strict=True)] for name, runs in found.items()}
+    return {
+        name: [row(*of) for of in zip(runs, density[name], full[name], strict=True)] for name, runs in found.items()
+    }
 
 
 def tune(source: dict[str, Any], threads: int) -> tuple[dict[str, dict[str, Any]], list[dict[str, Any]]]:
-    """The setting of each installed method with the least mean absolute error on a scene, and the rows of all settings."""
+    """The setting of each installed method with the least mean absolute error on a scene, and the rows of all
+    settings.
+    """
     settings = {name: method.settings() for name, method in METHODS.items() if find_spec(method.package)}
     for name in METHODS.keys() - settings.keys():
         say(f"{name}: {METHODS[name].package} is not installed, skipped")
     judged = errors(maps(source, settings, threads), open_scene(**source).reference.truth)
     best = {name: settings[name][int(np.nanargmin([row["MAE"] for row in rows]))] for name, rows in judged.items()}
     rows = [
-        {"method": name, **setting, "MAE": row["MAE"], "density %": row["density %"], "taken": "x" if setting == best[name] else ""}
+        {
+            "method": name,
+            **setting,
+            "MAE": row["MAE"],
+            "density %": row["density %"],
+            "taken": "x" if setting == best[name] else "",
+        }
         for name in settings
         for setting, row in zip(settings[name], judged[name], strict=True)
     ]
     return best, [{key: row.get(key) for key in dict.fromkeys(key for row in rows for key in row)} for row in rows]
 
 
-def report(best: Mapping[str, dict[str, Any]], judged: Sequence[Mapping[str, dict[str, float]]]) -> list[dict[str, Any]]:
+def report(
+    best: Mapping[str, dict[str, Any]], judged: Sequence[Mapping[str, dict[str, float]]]
+) -> list[dict[str, Any]]:
     """A row for each method: means over the scenes, and the standard deviation between scenes of the MAE."""
     rows = []
     for name, setting in best.items():
@@ -172,7 +188,11 @@ def main(arguments: list[str] | None = None) -> None:
     development, tests = sources(options)
     best, grid = tune(development, options.threads)
     facts = {"tuned on": open_scene(**development).name, "threads": options.threads}
-    judged, title, heading = [], "Fusion: what one might take instead", "Errors in 1e-3 of the unit, means over the scenes"
+    judged, title, heading = (
+        [],
+        "Fusion: what one might take instead",
+        "Errors in 1e-3 of the unit, means over the scenes",
+    )
     for source in tests:
         say(open_scene(**source).name)
         found = maps(source, {name: [setting] for name, setting in best.items()}, options.threads)
@@ -187,7 +207,9 @@ def main(arguments: list[str] | None = None) -> None:
 def sources(options: argparse.Namespace) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Arguments of `open_scene`, for the development scene and the reported ones."""
     if options.views:
-        development, *tests = [{"views": str(path.resolve()), "count": options.count} for path in (options.tune, *options.views)]
+        development, *tests = [
+            {"views": str(path.resolve()), "count": options.count} for path in (options.tune, *options.views)
+        ]
         return development, tests
     shape = {"count": options.count, "shape": [options.size[1], options.size[0]]}
     return shape | {"seed": SEEDS[0]}, [shape | {"seed": seed} for seed in SEEDS[1]]
@@ -197,7 +219,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line; --quick is a quarter of the pixels."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--tune", type=Path, help="a views artefact with a truth to choose the settings on")
-    parser.add_argument("--views", type=Path, nargs="+", help="views artefacts with a truth to report on; the middle view of each")
+    parser.add_argument(
+        "--views", type=Path, nargs="+", help="views artefacts with a truth to report on; the middle view of each"
+    )
     parser.add_argument("--count", type=int, default=11, help="views to fuse")
     parser.add_argument("--size", type=int, nargs=2, metavar=("WIDTH", "HEIGHT"), help="of generated views; 640 480")
     parser.add_argument("--threads", type=int, default=2)

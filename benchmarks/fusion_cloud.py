@@ -1,19 +1,20 @@
-"""One cloud of a whole sequence: `fuse-depth --all` and `merge-depth` against Open3D's TSDF, by distance to the true surface.
+"""One cloud of a whole sequence: `fuse-depth --all` and `merge-depth` against Open3D's TSDF, by distance to the true
+surface.
 
     python -m benchmarks.fusion_cloud --tune DEVELOPMENT.h5 --views FILE.h5
 
-The views need a truth. Ours stands at its defaults. The TSDF, of the views and of our fused maps, has the setting of its grid with the
-highest F-score on the development sequence.
+The views need a truth. Ours stands at its defaults. The TSDF, of the views and of our fused maps, has the setting of
+its grid with the highest F-score on the development sequence.
 """
 
 from __future__ import annotations
 
 import argparse
+import tempfile
+import time
 from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
-import tempfile
-import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,8 +58,9 @@ def merged(folder: str) -> float:
 
 
 def volumes(views: str | None, folder: str, voxel: float, truncation: float, weights: Sequence[float]) -> list[float]:
-    """Save the clouds of the TSDF of all the views, of the fused maps in the folder if there is none, at each least weight; the
-    seconds of each, its share of the integration in them."""
+    """Save the clouds of the TSDF of all the views, of the fused maps in the folder if there is none, at each least
+    weight; the seconds of each, its share of the integration in them.
+    """
     loaded = _views(Path(views)) if views else _maps(Path(folder))
     started = time.perf_counter()
     grid = tsdf.volume(loaded, voxel, truncation)
@@ -96,7 +98,10 @@ class Truth:
 
         points = np.concatenate(
             [
-                transform(np.linalg.inv(view.cam_from_world), back_project(view.truth, view.intrinsics).reshape(-1, 3)[np.isfinite(view.truth).ravel()])
+                transform(
+                    np.linalg.inv(view.cam_from_world),
+                    back_project(view.truth, view.intrinsics).reshape(-1, 3)[np.isfinite(view.truth).ravel()],
+                )
                 for view in views
             ]
         )
@@ -104,12 +109,20 @@ class Truth:
         self.tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
 
     def judge(self, cloud: np.ndarray) -> dict[str, float]:
-        """Distances (in thousandths of the unit) of the cloud to the truth; precision, the share of the cloud that is `NEAR`, recall,
-        the share of the truth that the cloud is near to, and their harmonic mean, in per cent."""
+        """Distances (in thousandths of the unit) of the cloud to the truth; precision, the share of the cloud that is
+        `NEAR`, recall, the share of the truth that the cloud is near to, and their harmonic mean, in per cent.
+        """
         from scipy.spatial import cKDTree
 
         if not len(cloud):
-            return {"mean": np.nan, "median": np.nan, "precision %": np.nan, "recall %": 0.0, "F-score %": 0.0, "points": 0.0}
+            return {
+                "mean": np.nan,
+                "median": np.nan,
+                "precision %": np.nan,
+                "recall %": 0.0,
+                "F-score %": 0.0,
+                "points": 0.0,
+            }
         distance = self.tree.query(cloud[:: -(-len(cloud) // SAMPLE)], workers=-1)[0]
         tree = cKDTree(cloud, balanced_tree=False, compact_nodes=False)
         back = tree.query(self.sample, distance_upper_bound=NEAR, workers=-1)[0]
@@ -139,12 +152,16 @@ def best(rows: Sequence[dict[str, Any]]) -> dict[str, float]:
     return {name: row[name] for name in ("voxel", "truncation", "weight")}
 
 
-def report(views: str, settings: dict[str, dict[str, float]], window: int, step: int, threads: int) -> list[dict[str, Any]]:
+def report(
+    views: str, settings: dict[str, dict[str, float]], window: int, step: int, threads: int
+) -> list[dict[str, Any]]:
     """Rows of ours and of the TSDFs at their settings."""
     truth = Truth(_views(Path(views)))
     with tempfile.TemporaryDirectory() as folder:
         say("ipcli")
-        fusing = isolated("benchmarks.fusion_cloud:fused", threads, views=views, folder=folder, window=window, step=step)
+        fusing = isolated(
+            "benchmarks.fusion_cloud:fused", threads, views=views, folder=folder, window=window, step=step
+        )
         merging = isolated("benchmarks.fusion_cloud:merged", threads, folder=folder)
         rows = [{"method": "ipcli", "setting": None, "seconds": fusing + merging}]
         rows[0] |= truth.judge(np.load(Path(folder) / "cloud.npy"))
@@ -163,7 +180,9 @@ def report(views: str, settings: dict[str, dict[str, float]], window: int, step:
 def main(arguments: list[str] | None = None) -> None:
     """The tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--tune", type=Path, required=True, help="views artefact with a truth to choose the settings on")
+    parser.add_argument(
+        "--tune", type=Path, required=True, help="views artefact with a truth to choose the settings on"
+    )
     parser.add_argument("--views", type=Path, required=True, help="views artefact with a truth to report on")
     parser.add_argument("--window", type=int, default=7)
     parser.add_argument("--step", type=int, default=4)
@@ -174,13 +193,26 @@ def main(arguments: list[str] | None = None) -> None:
     same = {"window": chosen.window, "step": chosen.step, "threads": chosen.threads}
     truth, tables = Truth(_views(Path(development))), {}
     with tempfile.TemporaryDirectory() as folder:
-        isolated("benchmarks.fusion_cloud:fused", chosen.threads, views=development, folder=folder, window=chosen.window, step=chosen.step)
+        isolated(
+            "benchmarks.fusion_cloud:fused",
+            chosen.threads,
+            views=development,
+            folder=folder,
+            window=chosen.window,
+            step=chosen.step,
+        )
         for method, of in ((VIEWS, development), (MAPS, None)):
             tables[f"Tuning: {method}"] = tune(truth, method, of, folder, chosen.threads)
     settings = {method: best(tables[f"Tuning: {method}"]) for method in (VIEWS, MAPS)}
     heading = "Ours at its defaults, the TSDF as tuned; distances in 1e-3 of the unit"
     facts = {"tuned on": chosen.tune.name, "reported on": chosen.views.name, "near, in the unit": NEAR} | same
-    publish("fusion_cloud", "One cloud of a sequence", {heading: report(views, settings, **same)} | tables, facts, chosen.output)
+    publish(
+        "fusion_cloud",
+        "One cloud of a sequence",
+        {heading: report(views, settings, **same)} | tables,
+        facts,
+        chosen.output,
+    )
 
 
 if __name__ == "__main__":

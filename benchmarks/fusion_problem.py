@@ -89,9 +89,15 @@ class Scene:
 
 
 def open_scene(
-    views: str | None = None, reference: str | None = None, count: int = 11, shape: tuple[int, int] = (480, 640), seed: int = 0
+    views: str | None = None,
+    reference: str | None = None,
+    count: int = 11,
+    shape: tuple[int, int] = (480, 640),
+    seed: int = 0,
 ) -> Scene:
-    """`count` views of a `views` artefact around a reference, the middle one if not given; without one, generated from the seed."""
+    """`count` views of a `views` artefact around a reference, the middle one if not given; without one, generated from
+    the seed.
+    """
     if views is None:
         made = scene.views(count, tuple(shape), seed)
         return Scene(made, made[count // 2], False, f"generated, {shape[1]} x {shape[0]}, K = {count}, seed {seed}")

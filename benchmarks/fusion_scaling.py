@@ -8,10 +8,10 @@ Every case runs in a process of its own; see README.md for what the tables say.
 from __future__ import annotations
 
 import argparse
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-import time
 from typing import Any
 
 import numpy as np
@@ -107,7 +107,9 @@ def fusion(shape: tuple[int, int], count: int) -> dict[str, float]:
 
 
 def tiled(shape: tuple[int, int], count: int) -> dict[str, float]:
-    """As `fusion`, tile by tile, of views that are read from disk whenever a tile asks for them; the memory counts the views too."""
+    """As `fusion`, tile by tile, of views that are read from disk whenever a tile asks for them; the memory counts the
+    views too.
+    """
     import tempfile
 
     from benchmarks import scene
@@ -123,7 +125,9 @@ def tiled(shape: tuple[int, int], count: int) -> dict[str, float]:
         started, started_cpu = time.perf_counter(), time.process_time()
         fused = tiles.fuse_in_tiles(views, reference, Fusion(), tiles.SIDE, inverse=False)
         seconds, cpu = time.perf_counter() - started, time.process_time() - started_cpu
-    error = float(np.nanmean(np.abs(fused.depth - scene.cast(tuple(shape), reference.intrinsics, reference.cam_from_world))))
+    error = float(
+        np.nanmean(np.abs(fused.depth - scene.cast(tuple(shape), reference.intrinsics, reference.cam_from_world)))
+    )
     return {"seconds": seconds, "cpu": cpu, "memory": peak_memory() - before, "error": error}
 
 
@@ -227,13 +231,17 @@ def _slope(sizes: list[float], values: list[float]) -> float | None:
 
 
 def bandwidth(rows: list[dict[str, Any]], speeds: dict[int, float]) -> list[dict[str, Any]]:
-    """The triad beside what an iteration moves: x, v, p, q read and written, data and weights read, once a pass of iterations."""
+    """The triad beside what an iteration moves: x, v, p, q read and written, data and weights read, once a pass of
+    iterations.
+    """
     from ipcli.inverse.regularize.tgv import AT_ONCE
 
     table = []
     for threads, speed in speeds.items():
         own = [row for row in rows if row["threads"] == threads and "failed" not in row]
-        moved = [4e6 * row["Mpx"] * (2 * 8 + 3 + row["K"]) / AT_ONCE / (1e-3 * row["ms / iteration"]) / 1e9 for row in own]
+        moved = [
+            4e6 * row["Mpx"] * (2 * 8 + 3 + row["K"]) / AT_ONCE / (1e-3 * row["ms / iteration"]) / 1e9 for row in own
+        ]
         row = {"threads": threads, "STREAM triad GB/s": speed}
         table.append(
             row

@@ -8,10 +8,10 @@ Each solver minimises the same energy from the same start, in its own process; s
 from __future__ import annotations
 
 import argparse
+import tempfile
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
-import tempfile
 from typing import Any
 
 import numpy as np

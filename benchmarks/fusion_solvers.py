@@ -153,8 +153,10 @@ class PyproximalStacked(_Pyproximal):
 
 
 class PyproximalTuned(_Pyproximal):
-    """The same solver given what it lacks: a sparse matrix and its transpose, both by rows, for the operator, our sorted proximal
-    map in NumPy, and a stack that asks its parts for their dual maps instead of Moreau's identity for all."""
+    """The same solver given what it lacks: a sparse matrix and its transpose, both by rows, for the operator, our
+    sorted proximal map in NumPy, and a stack that asks its parts for their dual maps instead of Moreau's identity for
+    all.
+    """
 
     def __init__(self, problem: Problem, ratio: float):
         import pylops
@@ -167,7 +169,9 @@ class PyproximalTuned(_Pyproximal):
         class Stack(pyproximal.VStack):
             def proxdual(self, x, tau):
                 parts = np.split(x, self.xin[1:])
-                return np.concatenate([part_of.proxdual(part, tau) for part_of, part in zip(self.ops, parts, strict=True)])
+                return np.concatenate(
+                    [part_of.proxdual(part, tau) for part_of, part in zip(self.ops, parts, strict=True)]
+                )
 
         of_dual = Stack(_pyproximal_tgv(problem), [2 * n, 3 * n])
         of_primal = pyproximal.VStack([_sorted_deviations(problem), _nothing()], [n, 2 * n])

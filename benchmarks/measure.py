@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from importlib import import_module
 import json
 import os
-from pathlib import Path
 import subprocess
 import sys
 import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -50,10 +51,8 @@ def peak_memory() -> float:
 
 def forget_peak() -> float:
     """Make the peak start anew where the system allows it; the memory in use (failing that, the peak), in MB."""
-    try:
+    with suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
-    except OSError:
-        pass
     return peak_memory()
 
 
@@ -125,12 +124,23 @@ def save(
 
 def machine() -> dict[str, Any]:
     """What the figures depend on: processor, load by others, versions."""
-    from importlib import metadata
     import platform
+    from importlib import metadata
 
     load = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
     known = {item.metadata["Name"].lower(): item.version for item in metadata.distributions()}
-    names = ("numpy", "numba", "pylops", "pyproximal", "odl", "scikit-image", "scikit-learn", "aeon", "open3d-cpu", "open3d")
+    names = (
+        "numpy",
+        "numba",
+        "pylops",
+        "pyproximal",
+        "odl",
+        "scikit-image",
+        "scikit-learn",
+        "aeon",
+        "open3d-cpu",
+        "open3d",
+    )
     return {
         "time": time.strftime("%Y-%m-%d %H:%M:%S"),
         "processor": f"{_processor()}, {os.cpu_count()} logical",

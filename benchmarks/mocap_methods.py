@@ -1,8 +1,10 @@
-"""Ours, and what a user might take instead to name the action of a clip: each a `fit` on clips and labels and an answer to clips.
+"""Ours, and what a user might take instead to name the action of a clip: each a `fit` on clips and labels and an answer
+to clips.
 
-A clip is an array (n, j, 3) of joint positions, from the root and turned to face one way; for ours (n, w), the features of all
-groups side by side. Those that work frame by frame give `frame_scores`, a list of (n, classes) log probabilities; the others name whole clips only.
-DMW (Gong & Medioni), which the thesis compares with, is not among them because no code of it is public: DTW-1NN stands in for it.
+A clip is an array (n, j, 3) of joint positions, from the root and turned to face one way; for ours (n, w), the features
+of all groups side by side. Those that work frame by frame give `frame_scores`, a list of (n, classes) log
+probabilities; the others name whole clips only. DMW (Gong & Medioni), which the thesis compares with, is not among them
+because no code of it is public: DTW-1NN stands in for it.
 """
 
 from __future__ import annotations
@@ -65,7 +67,9 @@ class Discriminant(FrameWise):
 
 
 class Covariance:
-    """Cov3DJ (Hussein et al. 2013): covariances of all coordinates over the whole clip and three overlapping parts, linear SVM."""
+    """Cov3DJ (Hussein et al. 2013): covariances of all coordinates over the whole clip and three overlapping parts,
+    linear SVM.
+    """
 
     def __init__(self, levels: int, cost: float):
         from sklearn.pipeline import make_pipeline
@@ -82,7 +86,9 @@ class Covariance:
         return self.model.predict(self._described(clips))
 
     def _described(self, clips: Clips) -> np.ndarray:
-        return np.stack([np.concatenate([covariance(part) for part in parts(flat(clip), self.levels)]) for clip in clips])
+        return np.stack(
+            [np.concatenate([covariance(part) for part in parts(flat(clip), self.levels)]) for clip in clips]
+        )
 
 
 class TimeWarping:
@@ -126,7 +132,9 @@ class MiniRocket:
 
 
 class Behaviours(FrameWise):
-    """Ours: a Dirichlet process mixture for each action and group of joints, recognised by the product of the groups' posteriors."""
+    """Ours: a Dirichlet process mixture for each action and group of joints, recognised by the product of the groups'
+    posteriors.
+    """
 
     def __init__(self, spread: float):
         from ipcli.models.mocap.parameters import Decision, Learning
@@ -138,7 +146,9 @@ class Behaviours(FrameWise):
 
         self.classes, action = np.unique(labels, return_inverse=True)
         actions = np.repeat(action, [len(clip) for clip in clips])
-        self.model = behaviours.train(by_group(np.concatenate(clips)), actions, tuple(self.classes), self.settings, np.random.default_rng(0))
+        self.model = behaviours.train(
+            by_group(np.concatenate(clips)), actions, tuple(self.classes), self.settings, np.random.default_rng(0)
+        )
 
     def frame_scores(self, clips: Clips) -> list[np.ndarray]:
         from ipcli.models.mocap import recognition
@@ -150,7 +160,9 @@ class Behaviours(FrameWise):
 
 
 class Variational(Behaviours):
-    """All as in ours, but scikit-learn's variational mixture of at most so many components in place of the sampled one."""
+    """All as in ours, but scikit-learn's variational mixture of at most so many components in place of the
+    sampled one.
+    """
 
     def __init__(self, components: int, spread: float):
         super().__init__(spread)
@@ -164,21 +176,31 @@ class Variational(Behaviours):
         rows = behaviours.draw_frames(actions, len(self.classes), self.settings, np.random.default_rng(0))
         features = {group: x[rows] for group, x in behaviours.with_body(by_group(np.concatenate(clips)), True).items()}
         projections = behaviours.fit_projections(features, actions[rows], self.settings)
-        cells = [[self._density(project(features[group])[actions[rows] == a]) for group, project in projections.items()] for a in range(len(self.classes))]
+        cells = [
+            [self._density(project(features[group])[actions[rows] == a]) for group, project in projections.items()]
+            for a in range(len(self.classes))
+        ]
         alpha = np.ones((len(self.classes), len(projections)))
-        self.model = behaviours.Model(tuple(self.classes), tuple(projections), tuple(projections.values()), tuple(map(tuple, cells)), alpha)
+        self.model = behaviours.Model(
+            tuple(self.classes), tuple(projections), tuple(projections.values()), tuple(map(tuple, cells)), alpha
+        )
 
     def _density(self, x: np.ndarray) -> Any:
         """What it learnt, as the kind of density that ours is: a t of so many degrees of freedom is a Gaussian."""
+        from sklearn.mixture import BayesianGaussianMixture
+
         from ipcli.inverse.bayes.predictive import Predictive
         from ipcli.models.mocap.behaviours import of_others
-        from sklearn.mixture import BayesianGaussianMixture
 
         x = x[np.isfinite(x).all(axis=1)]
         count = min(self.components, len(x))
         mixture = BayesianGaussianMixture(n_components=count, reg_covar=1e-2, max_iter=200, random_state=0).fit(x)
         whole = Predictive(
-            np.log(mixture.weights_), np.full(count, 1e6), mixture.means_, np.linalg.cholesky(mixture.covariances_), np.zeros(count, np.int32)
+            np.log(mixture.weights_),
+            np.full(count, 1e6),
+            mixture.means_,
+            np.linalg.cholesky(mixture.covariances_),
+            np.zeros(count, np.int32),
         )
         return of_others(whole, self.settings.spread)
 
@@ -187,7 +209,9 @@ OURS, POSES = "behaviours (ours)", "behaviours (ours), poses alone"
 SPREADS = (0.1, 0.3, 0.6)
 DTW = "DTW-1NN (stands in for DMW)"
 SKELETONS = ("positions", "reposed")  # the actor's own, or the common one
-METHODS: dict[str, tuple[type, tuple[dict[str, Any], ...]]] = {  # class and the grid of its settings; `by`: what describes a frame
+METHODS: dict[
+    str, tuple[type, tuple[dict[str, Any], ...]]
+] = {  # class and the grid of its settings; `by`: what describes a frame
     OURS: (Behaviours, tuple(dict(by="motion", spread=spread) for spread in SPREADS)),
     POSES: (Behaviours, tuple(dict(by="poses", spread=spread) for spread in SPREADS)),
     "scikit-learn mixture in place of ours": (
@@ -201,7 +225,12 @@ METHODS: dict[str, tuple[type, tuple[dict[str, Any], ...]]] = {  # class and the
     ),
     "covariance + linear SVM (Cov3DJ)": (
         Covariance,
-        tuple(dict(by=by, levels=levels, cost=cost) for by in SKELETONS for levels in (1, 2) for cost in (0.001, 0.01, 0.1)),
+        tuple(
+            dict(by=by, levels=levels, cost=cost)
+            for by in SKELETONS
+            for levels in (1, 2)
+            for cost in (0.001, 0.01, 0.1)
+        ),
     ),
     DTW: (
         TimeWarping,

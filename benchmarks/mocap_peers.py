@@ -1,19 +1,21 @@
 """Who is recognised best: behaviours against what a user might take instead, on the same splits and frames, in one run.
 
-    python -m benchmarks.mocap_peers --clips build/experiments/mocap-hdm05/all.clips.h5 --name hdm05 --development bd,bk,dg
-    python -m benchmarks.mocap_peers --clips build/experiments/mocap-florence/all.clips.h5 --name florence --published --mirror
+    python -m benchmarks.mocap_peers --name hdm05 --clips build/experiments/mocap-hdm05/all.clips.h5 \\
+        --development bd,bk,dg
+    python -m benchmarks.mocap_peers --name florence --clips build/experiments/mocap-florence/all.clips.h5 \\
+        --published --mirror
 
-Every method takes the setting of its declared grid that is best on the development actors (leave one out among them) or on the
-development splits; all else is reported once at that setting.
+Every method takes the setting of its declared grid that is best on the development actors (leave one out among them) or
+on the development splits; all else is reported once at that setting.
 """
 
 from __future__ import annotations
 
 import argparse
+import time
 from collections.abc import Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-import time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -61,7 +63,9 @@ def protocols(problem: Problem, development: Sequence[str], spared: int) -> tupl
         every = published(problem.splits)
         return every[:spared], {"published": every, f"published, without the first {spared}": every[spared:]}
     inside = np.isin(problem.actors, development)
-    chosen = [Split(train & inside, test & inside) for train, test in leave_one_out(problem.actors) if (test & inside).any()]
+    chosen = [
+        Split(train & inside, test & inside) for train, test in leave_one_out(problem.actors) if (test & inside).any()
+    ]
     return chosen, {
         "subjects": [subjects(problem.actors, development)],
         "leave-one-out": leave_one_out(problem.actors),
@@ -70,7 +74,9 @@ def protocols(problem: Problem, development: Sequence[str], spared: int) -> tupl
 
 
 def queries(problem: Problem, split: Split, kind: str | int) -> Iterator[tuple[int, np.ndarray]]:
-    """(clip, frames) of each question: whole clips, whole clips with their frames shuffled, or handfuls of so many frames."""
+    """(clip, frames) of each question: whole clips, whole clips with their frames shuffled, or handfuls of so many
+    frames.
+    """
     for clip in np.flatnonzero(split.test):
         rng, n = np.random.default_rng([int(clip), 7]), problem.lengths[clip]
         if kind == "whole":
@@ -81,7 +87,9 @@ def queries(problem: Problem, split: Split, kind: str | int) -> Iterator[tuple[i
             yield from ((clip, rng.choice(n, min(int(kind), n), replace=False)) for _ in range(SAMPLES))
 
 
-def measure(problem: Problem, name: str, setting: dict[str, Any], split: Split, kinds: Sequence[str | int]) -> dict[str, float]:
+def measure(
+    problem: Problem, name: str, setting: dict[str, Any], split: Split, kinds: Sequence[str | int]
+) -> dict[str, float]:
     """Seconds to learn and to answer for the whole clips, and the share of right answers of each kind of question."""
     setting = dict(setting)
     by, mirror = setting.pop("by"), setting.pop("mirror", False)
@@ -96,7 +104,9 @@ def measure(problem: Problem, name: str, setting: dict[str, Any], split: Split, 
         asked = list(queries(problem, split, kind))
         truth = problem.labels[[clip for clip, _ in asked]]
         started = time.perf_counter()
-        answers = method.answer([clips[clip] if kind == "whole" else loose(clips[clip][frames]) for clip, frames in asked])
+        answers = method.answer(
+            [clips[clip] if kind == "whole" else loose(clips[clip][frames]) for clip, frames in asked]
+        )
         if kind == "whole":
             found["query s"] = time.perf_counter() - started
         found[str(kind)] = float(np.mean(answers == truth))
@@ -115,7 +125,9 @@ def _frames(method: Any, problem: Problem, clips: list[np.ndarray], split: Split
 def over(found: Sequence[dict[str, float]]) -> dict[str, Any]:
     """Mean over the splits, and where there are several the standard deviation, of what `measure` found on each."""
     table = {key: np.array([one[key] for one in found]) for key in found[0]}
-    spread = {f"{key} sd": float(values.std(ddof=1)) for key, values in table.items() if len(found) > 1 and " s" not in key}
+    spread = {
+        f"{key} sd": float(values.std(ddof=1)) for key, values in table.items() if len(found) > 1 and " s" not in key
+    }
     return {key: float(values.mean()) for key, values in table.items()} | spread
 
 
@@ -126,7 +138,9 @@ def judged(clips: str, name: str, development: list[str], spared: int, mirror: b
     grid = METHODS[name][1]
     grid = tuple(setting | {"mirror": mirror} for mirror in (False, True) for setting in grid) if mirror else grid
     _warm_up(problem, name, grid[0])
-    tried = [over([measure(problem, name, setting, split, ("whole", HANDFULS[0])) for split in chosen]) for setting in grid]
+    tried = [
+        over([measure(problem, name, setting, split, ("whole", HANDFULS[0])) for split in chosen]) for setting in grid
+    ]
     best = max(range(len(grid)), key=lambda index: (round(tried[index]["whole"], 3), tried[index][str(HANDFULS[0])]))
     found = {}  # of each split once, though it be of two protocols
     for split in (split for splits in reported.values() for split in splits):
@@ -149,9 +163,11 @@ def rows(found: dict[str, dict[str, Any]], protocol: str) -> list[dict[str, Any]
     for name, result in found.items():
         f = result["figures"][protocol]
         percent = {
-            "single frames %": _told(f, "frames"), **{f"{size} frame{'s' * (size > 1)} of a clip %": _told(f, str(size)) for size in HANDFULS[::-1]},
-            "shuffled clips %": _told(f, "shuffled"), "whole clips %": _told(f, "whole"),
-        }  # fmt: skip
+            "single frames %": _told(f, "frames"),
+            **{f"{size} frame{'s' * (size > 1)} of a clip %": _told(f, str(size)) for size in HANDFULS[::-1]},
+            "shuffled clips %": _told(f, "shuffled"),
+            "whole clips %": _told(f, "whole"),
+        }
         setting = ", ".join(f"{key}={value}" for key, value in result["setting"].items())
         table.append({"method": name, **percent, "train s": f["train s"], "query s": f["query s"], "setting": setting})
     return table
@@ -171,23 +187,42 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--name", default="", help="of the table; that of the clips if not given")
     parser.add_argument("--development", default="", help="actors to choose settings on, such as bd,bk,dg")
     parser.add_argument("--published", action="store_true", help="take the splits that came with the data")
-    parser.add_argument("--development-splits", type=int, default=3, help="of the published splits, so many to choose settings on")
-    parser.add_argument("--mirror", action="store_true", help="let every method learn the mirror image of each clip as well, if that is better")
+    parser.add_argument(
+        "--development-splits", type=int, default=3, help="of the published splits, so many to choose settings on"
+    )
+    parser.add_argument(
+        "--mirror",
+        action="store_true",
+        help="let every method learn the mirror image of each clip as well, if that is better",
+    )
     parser.add_argument("--methods", nargs="*", default=list(METHODS), help="only these")
     parser.add_argument("--output", type=Path, default=OUTPUT)
     given = parser.parse_args(arguments)
-    development, spared = [name for name in given.development.split(",") if name], given.development_splits if given.published else 0
+    development, spared = (
+        [name for name in given.development.split(",") if name],
+        given.development_splits if given.published else 0,
+    )
     found = {}
     for name in given.methods:
         if find_spec(NEEDS.get(name, "sklearn")) is None:
             say(f"{name}: {NEEDS.get(name, 'sklearn')} is not installed, skipped")
             continue
         say(name)
-        question = {"clips": str(given.clips.resolve()), "name": name, "development": development, "spared": spared, "mirror": given.mirror}
+        question = {
+            "clips": str(given.clips.resolve()),
+            "name": name,
+            "development": development,
+            "spared": spared,
+            "mirror": given.mirror,
+        }
         found[name] = isolated("benchmarks.mocap_peers:judged", 1, **question)
     stem = given.name or given.clips.name.split(".")[0]
     tables = {protocol: rows(found, protocol) for protocol in next(iter(found.values()))["figures"]}
-    facts = {"clips": stem, "threads": 1, "settings chosen on": f"the first {spared} splits" if spared else ", ".join(development)}
+    facts = {
+        "clips": stem,
+        "threads": 1,
+        "settings chosen on": f"the first {spared} splits" if spared else ", ".join(development),
+    }
     publish(f"mocap_peers_{stem}", f"Recognition of {stem}, ours and peers", tables, facts, given.output)
 
 

@@ -1,4 +1,6 @@
-"""Labelled clips as every method gets them: what each frame is described by, on the skeleton of the people learnt from."""
+"""Labelled clips as every method gets them: what each frame is described by, on the skeleton of the people
+learnt from.
+"""
 
 from __future__ import annotations
 
@@ -36,9 +38,9 @@ class Problem:
         return np.unique(self.labels)
 
     def described(self, by: str, train: np.ndarray, mirror: bool = False) -> list[np.ndarray]:
-        """Each clip, or with `mirror` its mirror image, (n, j, 3) by `positions` on the actor's own skeleton of height 1, or by `reposed` ones on the common skeleton of the
-        clips train (c,) bool, from the root and facing one way; or by ours (n, w): the features of all groups of joints side by side, of
-        `poses` alone or with their `motion`.
+        """Each clip, or with `mirror` its mirror image, (n, j, 3) by `positions` on the actor's own skeleton of height
+        1, or by `reposed` ones on the common skeleton of the clips train (c,) bool, from the root and facing one way;
+        or by ours (n, w): the features of all groups of joints side by side, of `poses` alone or with their `motion`.
         """
         key = (by, b"" if by == "positions" else np.packbits(train).tobytes())
         if key not in self._known:
@@ -55,14 +57,21 @@ class Problem:
         clips = [mirrored(clip, groups) for clip in clips] if mirror else clips
         if by in ("poses", "motion"):
             settings = Features() if by == "motion" else Features(motion=0.0)
-            return [np.concatenate(list(features.of_motion(clip, groups, common, settings).values()), axis=1) for clip in clips]
+            return [
+                np.concatenate(list(features.of_motion(clip, groups, common, settings).values()), axis=1)
+                for clip in clips
+            ]
         joints = np.unique(np.concatenate(list(groups.indices(self.motions.skeleton).values())))
         own = [features.reference_lengths([clip], groups) if by == "positions" else common for clip in clips]
-        return [filled(features.repose(clip, groups, lengths)[:, joints]) for clip, lengths in zip(clips, own, strict=True)]
+        return [
+            filled(features.repose(clip, groups, lengths)[:, joints]) for clip, lengths in zip(clips, own, strict=True)
+        ]
 
 
 def by_group(frames: np.ndarray) -> dict[str, np.ndarray]:
-    """What `described` set side by side (n, w): (n, 7) of each group of joints, and (n, 7 g + 4) of their motion if that is there."""
+    """What `described` set side by side (n, w): (n, 7) of each group of joints, and (n, 7 g + 4) of their motion if
+    that is there.
+    """
     groups = frames.shape[1] // 14 if frames.shape[1] % 7 else frames.shape[1] // 7
     found = {f"group {index}": frames[:, 7 * index : 7 * index + 7] for index in range(groups)}
     return found | ({MOTION: frames[:, 7 * groups :]} if frames.shape[1] > 7 * groups else {})
@@ -77,7 +86,8 @@ def loose(frames: np.ndarray) -> np.ndarray:
 
 
 def filled(positions: np.ndarray) -> np.ndarray:
-    """Positions (n, j, 3) in which joints that were not seen are where they were last, or next, in the clip; at the root if never.
+    """Positions (n, j, 3) in which joints that were not seen are where they were last, or next, in the clip; at the
+    root if never.
 
     Ours leaves out what was not seen; the peers cannot.
     """

@@ -9,11 +9,11 @@ Each row is a process of its own; see README.md for what the tables say.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 import os
-from pathlib import Path
 import tempfile
 import time
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,7 +40,13 @@ def trained(clips: str, output: str, options: list[str]) -> dict[str, Any]:
     after = os.times()
     mixtures, actions, frames = _learnt(output)
     spent = sum(after[:4]) - sum(before[:4])
-    return {"actions": actions, "mixtures": mixtures, "frames of an action": frames, "seconds": time.perf_counter() - started, "CPU s": spent}
+    return {
+        "actions": actions,
+        "mixtures": mixtures,
+        "frames of an action": frames,
+        "seconds": time.perf_counter() - started,
+        "CPU s": spent,
+    }
 
 
 def _learnt(output: str) -> tuple[int, int, str]:
@@ -53,7 +59,9 @@ def _learnt(output: str) -> tuple[int, int, str]:
 
 
 def recognised(model: str, clips: str, output: str) -> dict[str, float]:
-    """Whole clips named by mocap-classify: seconds of everything, reading and writing included, and the peak above the start."""
+    """Whole clips named by mocap-classify: seconds of everything, reading and writing included, and the peak above the
+    start.
+    """
     from ipcli.cli.main import main
     from ipcli.stages import mocap_classify, mocap_train  # noqa: F401  # what is loaded is not counted
 
@@ -81,7 +89,10 @@ def answered(model: str, clips: str) -> list[dict[str, Any]]:
     dense, density = best(lambda: recognition.log_densities(learnt, features))
     joined, _ = best(lambda: recognition.frame_posteriors(learnt, density, decision))
     steps = {"features": measured, "densities": dense, "answers": joined, "all": measured + dense + joined}
-    return [{"step": step, "frames": count, "seconds": seconds, "million frames a minute": 60e-6 * count / seconds} for step, seconds in steps.items()]
+    return [
+        {"step": step, "frames": count, "seconds": seconds, "million frames a minute": 60e-6 * count / seconds}
+        for step, seconds in steps.items()
+    ]
 
 
 def best(work: Any) -> tuple[float, Any]:
@@ -106,9 +117,14 @@ def repeated(clips: Path, frames: int, output: Path) -> Path:
     times, rest = divmod(frames, total)
     ends = np.cumsum(arrays["frames"])
     last = int(np.searchsorted(ends, rest))  # whole clips, and a part of the next
-    counts = np.concatenate([np.tile(arrays["frames"], times), arrays["frames"][:last], [rest - (ends[last - 1] if last else 0)]])
+    counts = np.concatenate(
+        [np.tile(arrays["frames"], times), arrays["frames"][:last], [rest - (ends[last - 1] if last else 0)]]
+    )
     index = np.concatenate([np.tile(np.arange(len(ends)), times), np.arange(last + 1)])[counts > 0]
-    tiled = {name: np.concatenate([np.tile(arrays[name], (times, *[1] * (arrays[name].ndim - 1))), arrays[name][:rest]]) for name in _framed(arrays)}
+    tiled = {
+        name: np.concatenate([np.tile(arrays[name], (times, *[1] * (arrays[name].ndim - 1))), arrays[name][:rest]])
+        for name in _framed(arrays)
+    }
     each = {name: arrays[name][index] for name in ("labels", "actors", "rates")}
     names = np.array([f"{arrays['clips'][clip]} {number}" for number, clip in enumerate(index)])
     h5.write(output, "clips", arrays | tiled | each | {"clips": names, "frames": counts[counts > 0]}, {})
@@ -128,7 +144,13 @@ def learning(clips: Path, folder: Path, more: Sequence[str]) -> list[dict[str, A
         for executor in EXECUTORS:
             say(f"{models}, {executor}")
             output = folder / f"{len(rows)}.model.h5"
-            row = isolated("benchmarks.mocap_speed:trained", 1, clips=str(clips), output=str(output), options=[*options, *more, "--executor", executor])
+            row = isolated(
+                "benchmarks.mocap_speed:trained",
+                1,
+                clips=str(clips),
+                output=str(output),
+                options=[*options, *more, "--executor", executor],
+            )
             rows.append({"what": models, "executor": executor} | row)
     return rows
 
@@ -139,8 +161,18 @@ def growth(model: Path, clips: Path, folder: Path, counts: Sequence[int]) -> lis
     for count in counts:
         say(f"{count} frames")
         take = repeated(clips, count, folder / f"{count}.clips.h5")
-        found = isolated("benchmarks.mocap_speed:recognised", 1, model=str(model), clips=str(take), output=str(folder / f"{count}.recognition.h5"))
-        rows.append({"frames": count} | found | {"million frames a minute": 60e-6 * count / found["seconds"], "kB a frame": 1e3 * found["MB"] / count})
+        found = isolated(
+            "benchmarks.mocap_speed:recognised",
+            1,
+            model=str(model),
+            clips=str(take),
+            output=str(folder / f"{count}.recognition.h5"),
+        )
+        rows.append(
+            {"frames": count}
+            | found
+            | {"million frames a minute": 60e-6 * count / found["seconds"], "kB a frame": 1e3 * found["MB"] / count}
+        )
     return rows
 
 
@@ -162,10 +194,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
         tables = {"Learning": learning(clips, folder, QUICK if given.quick else ())}
         model, counts = folder / "4.model.h5", (2_000, 4_000) if given.quick else FRAMES  # the defaults
         take = repeated(clips, counts[0], folder / "steps.clips.h5")
-        tables["Recognition, in memory, one thread"] = isolated("benchmarks.mocap_speed:answered", 1, model=str(model), clips=str(take))
+        tables["Recognition, in memory, one thread"] = isolated(
+            "benchmarks.mocap_speed:answered", 1, model=str(model), clips=str(take)
+        )
         tables["mocap-classify"] = growth(model, clips, folder, counts)
     facts = {f"exponent of {of}": round(exponent(tables["mocap-classify"], of), 2) for of in ("seconds", "MB")}
-    publish("mocap_speed", "Learning and recognising actions", tables, facts | {"clips": given.clips.name}, given.output)
+    publish(
+        "mocap_speed", "Learning and recognising actions", tables, facts | {"clips": given.clips.name}, given.output
+    )
 
 
 if __name__ == "__main__":

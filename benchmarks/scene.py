@@ -1,4 +1,6 @@
-"""A generated scene for benchmarks: two walls, a floor and three balls, cast from an arc of cameras, with bad sensors."""
+"""A generated scene for benchmarks: two walls, a floor and three balls, cast from an arc of cameras, with bad
+sensors.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Open3D's VoxelBlockGrid, set up so that it does its best.
 
-It takes the pixel that a voxel falls into to begin, not to be centred, at whole numbers, so its principal point is half a pixel on.
-Depth is that of the extracted mesh: the grid's own ray casting puts surfaces half a voxel back.
+It takes the pixel that a voxel falls into to begin, not to be centred, at whole numbers, so its principal point is half
+a pixel on. Depth is that of the extracted mesh: the grid's own ray casting puts surfaces half a voxel back.
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ def volume(views: Sequence[View], voxel: float, truncation: float) -> Any:
 
 
 def points(grid: Any, weight: float, spacing: float) -> np.ndarray:
-    """Points (n, 3) at random on the mesh of the surface where at least so many observations are, one in each square of this side.
+    """Points (n, 3) at random on the mesh of the surface where at least so many observations are, one in each square of
+    this side.
 
     The grid's own points are as far apart as its voxels, which would make coarse ones seem to miss what they reach.
     """

@@ -10,7 +10,10 @@ from ipcli.report.fusion_experiment import Chart, Panel
 from ipcli.report.pictures import palette
 
 INCH = 2.6  # of a panel
-METADATA = {"pdf": {"CreationDate": None, "Producer": None, "Creator": None}, "png": {"Software": None}}  # the same bytes every time
+METADATA = {
+    "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
+    "png": {"Software": None},
+}  # the same bytes every time
 
 
 def charts(folder: Path, name: str, shown: Sequence[Chart]) -> None:
@@ -18,8 +21,22 @@ def charts(folder: Path, name: str, shown: Sequence[Chart]) -> None:
     figure, axes = _grid(-(-len(shown) // min(len(shown), 2)), min(len(shown), 2), 1.9 * INCH, 1.3 * INCH)
     for chart, axis in zip(shown, axes, strict=False):
         for line in chart.lines:
-            axis.plot(line.x, line.y, "--" if line.dashed else "-", marker="o" if line.dots else None, ms=3, lw=1.2, label=line.name)
-        axis.set(title=chart.title, xlabel=chart.x_label, ylabel=chart.y_label, xscale="log" if chart.log_x else "linear", ylim=(0, None))
+            axis.plot(
+                line.x,
+                line.y,
+                "--" if line.dashed else "-",
+                marker="o" if line.dots else None,
+                ms=3,
+                lw=1.2,
+                label=line.name,
+            )
+        axis.set(
+            title=chart.title,
+            xlabel=chart.x_label,
+            ylabel=chart.y_label,
+            xscale="log" if chart.log_x else "linear",
+            ylim=(0, None),
+        )
         axis.grid(alpha=0.3)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
     _save(figure, folder, name)

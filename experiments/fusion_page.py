@@ -1,8 +1,8 @@
 """The page, the figures and the table of one experiment of chapter 4: `python fusion_page.py NAME OUT.html FILE...`.
 
-NAME is a key of EXPERIMENTS. The files are told apart by their kind: the comparison over the scenes, the tuning, the trials of each
-scene (beside OUT) or of each setting of a sweep (in a folder SWEEP-VALUE), and the panels of scale_space.py (.npz). Beside OUT come
-X.csv and X.json with the means over the scenes, and figures/ as PDF and PNG.
+NAME is a key of EXPERIMENTS. The files are told apart by their kind: the comparison over the scenes, the tuning, the
+trials of each scene (beside OUT) or of each setting of a sweep (in a folder SWEEP-VALUE), and the panels of
+scale_space.py (.npz). Beside OUT come X.csv and X.json with the means over the scenes, and figures/ as PDF and PNG.
 """
 
 import csv
@@ -13,7 +13,6 @@ from collections import defaultdict
 from pathlib import Path
 
 import figures
-import numpy as np
 
 from ipcli.io import atomic, h5, npz
 from ipcli.models.fusion.parameters import Fusion
@@ -23,33 +22,44 @@ from ipcli.stages.scenes import parse
 
 HERE = Path(__file__).parent
 SYNTHETIC = (
-    "Thesis: the authors' printed averages over their own renderings. Ours: the same camera, noise and path on the meshes named below, observations "
-    "looked up anew by the first fused map. Measures as the authors' code computes them: RMSE after the mean error is taken out (centred RMSE), "
-    "Z-MAE after the median error, normals that are missing count 90°, disparities after KITTI's background interpolation."
+    "Thesis: the authors' printed averages over their own renderings. Ours: the same camera, noise and path on the "
+    "meshes named below, observations "
+    "looked up anew by the first fused map. Measures as the authors' code computes them: RMSE after the mean error is "
+    "taken out (centred RMSE), "
+    "Z-MAE after the median error, normals that are missing count 90°, disparities after KITTI's background "
+    "interpolation."
 )
 EXPERIMENTS = {
     "objects": {
         "title": "Fusion of rendered objects",
-        "lead": "Eleven depth maps of an orbit of radius 3 about an object of radius 1, with Laplace noise of scale 0.6 (thesis table 4.2, "
+        "lead": "Eleven depth maps of an orbit of radius 3 about an object of radius 1, with Laplace noise of scale "
+        "0.6 (thesis table 4.2, "
         "figures 4.1 to 4.4, 4.8, 4.9).",
         "conventions": SYNTHETIC,
     },
     "urban": {
         "title": "Fusion of rendered city blocks",
-        "lead": "Eleven depth maps looking down from 300 m, 4 m apart, with Laplace noise of scale 6 (thesis table 4.3, figures 4.5, 4.6, 4.10).",
-        "conventions": SYNTHETIC + " The authors' four models (Hagia Sophia and others) are not to be had; ours are open city models of Delft.",
+        "lead": "Eleven depth maps looking down from 300 m, 4 m apart, with Laplace noise of scale 6 (thesis table "
+        "4.3, figures 4.5, 4.6, 4.10).",
+        "conventions": SYNTHETIC
+        + " The authors' four models (Hagia Sophia and others) are not to be had; ours are open city models of Delft.",
     },
     "kitti": {
         "title": "Fusion of KITTI stereo disparities",
-        "lead": "Disparities of both cameras in two frames, or in up to five, fused into the left camera of frame 10 (thesis tables 4.4, 4.5).",
-        "conventions": "Thesis: 194 training scenes with the disparities of the matcher named, up to five frames, and errors on pixels that are not "
-        "occluded. Ours: the scenes named below, OpenCV's semi-global matching of both cameras, the authors' poses. Every map is completed by "
-        "KITTI's background interpolation, so that all are judged on the same pixels. Compare the gains, not the levels.",
+        "lead": "Disparities of both cameras in two frames, or in up to five, fused into the left camera of frame 10 "
+        "(thesis tables 4.4, 4.5).",
+        "conventions": "Thesis: 194 training scenes with the disparities of the matcher named, up to five frames, and "
+        "errors on pixels that are not "
+        "occluded. Ours: the scenes named below, OpenCV's semi-global matching of both cameras, the authors' poses. "
+        "Every map is completed by "
+        "KITTI's background interpolation, so that all are judged on the same pixels. Compare the gains, not the "
+        "levels.",
         "arithmetic": True,
     },
     "livingroom": {
         "title": "Fusion of a living room",
-        "lead": "Eleven depth maps of an ICL-NUIM recording with Laplace noise of 30 mm. The thesis has no such experiment.",
+        "lead": "Eleven depth maps of an ICL-NUIM recording with Laplace noise of 30 mm. The thesis has no such "
+        "experiment.",
         "conventions": "",
     },
 }
@@ -64,14 +74,19 @@ def gather(name: str, out: Path, files: list[Path], quick: bool) -> Experiment:
             found["panels"] = npz.read(path)
         elif kind == "trials" and path.parent != out.parent:
             sweep, _, value = path.parent.name.rpartition("-")
-            found["sweeps"][sweep][float(value)].append(h5.read(path, "trials", only=lambda n: n in ("methods", "rules", "columns", "values")).arrays)
+            found["sweeps"][sweep][float(value)].append(
+                h5.read(path, "trials", only=lambda n: n in ("methods", "rules", "columns", "values")).arrays
+            )
         elif kind == "trials":
             found["scenes"][path.name.split(".")[0]] = h5.read(path, "trials").arrays
         else:
             found["table" if kind == "comparison" else kind] = h5.read(path, kind).arrays
     about = dict(EXPERIMENTS[name])
     if quick:
-        about["lead"] = "A quick look at small generated scenes: it shows that everything runs, not how good it is. " + about["lead"]
+        about["lead"] = (
+            "A quick look at small generated scenes: it shows that everything runs, not how good it is. "
+            + about["lead"]
+        )
     bars = [] if quick else read_bars(name)
     return Experiment(default=parse(Fusion.method)[0].label, printed=read_printed(name), bars=bars, **about, **found)
 
@@ -90,7 +105,9 @@ def _printed(path: Path) -> Printed:
 
 def read_bars(name: str) -> list[Bar]:
     """What the experiment is held to."""
-    rows = csv.DictReader(line for line in (HERE / "bars.csv").read_text(encoding="utf-8").splitlines() if line[0] != "#")
+    rows = csv.DictReader(
+        line for line in (HERE / "bars.csv").read_text(encoding="utf-8").splitlines() if line[0] != "#"
+    )
     return [
         Bar(row["measure"], float(row["bar"]), float(row["goal"]) if row["goal"] else None, row["why"])
         for row in rows

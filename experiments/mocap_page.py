@@ -1,7 +1,8 @@
 """The page and the table of one experiment of chapter 5: `python mocap_page.py NAME OUT.html FILE...`.
 
-NAME is a key of EXPERIMENTS. The files are told apart by their kind: evaluations, named METHOD-SPLIT.evaluation.h5, a model, and the
-table of benchmarks/mocap_peers.py (.json). Beside OUT come X.csv and X.json with all right answers in percent.
+NAME is a key of EXPERIMENTS. The files are told apart by their kind: evaluations, named METHOD-SPLIT.evaluation.h5, a
+model, and the table of benchmarks/mocap_peers.py (.json). Beside OUT come X.csv and X.json with all right answers in
+percent.
 """
 
 import csv
@@ -18,17 +19,20 @@ from ipcli.report.mocap_experiment import Bar, Experiment, Printed
 
 HERE = Path(__file__).parent
 LEAD = (
-    "aligned: the defaults of mocap-train{mirror}; single poses and handfuls leave out how the body moves. thesis: chapter 5 as printed (configs/mocap-train/thesis.toml). known: aligned, of people who are "
+    "aligned: the defaults of mocap-train{mirror}; single poses and handfuls leave out how the body moves. thesis: "
+    "chapter 5 as printed (configs/mocap-train/thesis.toml). known: aligned, of people who are "
     "among those learnt from (--spread 0)."
 )
 EXPERIMENTS = {
     "hdm05": (
         "Actions of HDM05",
-        "288 clips of 11 cut actions by 5 actors (bd, bk, dg, mm, tr), at 30 Hz. Parameters were chosen on bd, bk and dg. ",
+        "288 clips of 11 cut actions by 5 actors (bd, bk, dg, mm, tr), at 30 Hz. Parameters were chosen on bd, bk and "
+        "dg. ",
     ),
     "florence": (
         "Florence 3D actions",
-        "215 clips of 9 actions by 10 people before a Kinect, 15 joints, positions alone; the 10 published splits, of which the first three "
+        "215 clips of 9 actions by 10 people before a Kinect, 15 joints, positions alone; the 10 published splits, of "
+        "which the first three "
         "were used to choose parameters. ",
     ),
     "utkinect": (
@@ -51,7 +55,9 @@ def gather(name: str, files: list[Path], quick: bool) -> Experiment:
         else:
             model = h5.read(path, "behaviours").arrays
     title, lead = EXPERIMENTS[name]
-    how = LEAD.format(mirror="" if name == "hdm05" else " but for the mirror images of all clips, which are learnt as well (--mirror)")
+    how = LEAD.format(
+        mirror="" if name == "hdm05" else " but for the mirror images of all clips, which are learnt as well (--mirror)"
+    )
     lead = QUICK if quick else lead
     printed = {number: read_printed(number) for number in ("5.1", "5.2")} if name == "hdm05" else {}
     return Experiment(title, lead + how, evaluations, model, [] if quick else read_bars(name), printed, peers)
@@ -65,7 +71,9 @@ def read_printed(number: str) -> Printed:
 
 def read_bars(name: str) -> list[Bar]:
     """What the experiment is held to."""
-    rows = csv.DictReader(line for line in (HERE / "mocap_bars.csv").read_text(encoding="utf-8").splitlines() if line[0] != "#")
+    rows = csv.DictReader(
+        line for line in (HERE / "mocap_bars.csv").read_text(encoding="utf-8").splitlines() if line[0] != "#"
+    )
     return [
         Bar(row["split"], row["query"], row["bar"], float(row["goal"]) if row["goal"] else None, row["why"])
         for row in rows
@@ -82,7 +90,14 @@ def rows_of(e: Experiment) -> list[dict[str, object]]:
             known = 100 * shares[np.isfinite(shares)]
             spread = round(float(known.std(ddof=1)), 3) if len(known) > 1 else None
             rows.append(
-                {"method": method, "split": split, "query": query, "right %": round(float(known.mean()), 3), "sd": spread, "splits": len(known)}
+                {
+                    "method": method,
+                    "split": split,
+                    "query": query,
+                    "right %": round(float(known.mean()), 3),
+                    "sd": spread,
+                    "splits": len(known),
+                }
             )
     return rows
 

@@ -1,8 +1,10 @@
-"""Long takes with a label for every frame: `python mocap_takes.py string IN.clips.h5 OUT.clips.h5 ACTOR...` strings them from clips,
-`python mocap_takes.py page OUT.html FILE.recognition.h5...` tells how they were recognised, with X.csv and X.json beside.
+"""Long takes with a label for every frame: `python mocap_takes.py string IN.clips.h5 OUT.clips.h5 ACTOR...` strings
+them from clips, `python mocap_takes.py page OUT.html FILE.recognition.h5...` tells how they were recognised, with X.csv
+and X.json beside.
 
-Each actor's clips follow one another in an order drawn once. A clip starts where the one before ended and faces the same way; between
-them the pose jumps, as it does nowhere in life, so what happens at the joins is not to be taken for segmentation of real takes.
+Each actor's clips follow one another in an order drawn once. A clip starts where the one before ended and faces the
+same way; between them the pose jumps, as it does nowhere in life, so what happens at the joins is not to be taken for
+segmentation of real takes.
 """
 
 import csv
@@ -23,7 +25,8 @@ from ipcli.rng import stream
 
 TITLE = "Long takes of people not learnt from"
 LEAD = (
-    "Clips of one actor after the other make a take with a label for every frame; between clips the pose jumps. The model knows the other "
+    "Clips of one actor after the other make a take with a label for every frame; between clips the pose jumps. The "
+    "model knows the other "
     "actors alone. Order plays no part in it: a window is asked about as a set of frames."
 )
 SHOWN = 1.0  # seconds, the window of the timelines
@@ -46,7 +49,13 @@ def strung(parts: list[Clip], groups: Groups, actor: str) -> Clip:
             rotations.append(turn @ motion.rotations)
     whole = np.concatenate(rotations) if len(rotations) == len(parts) else None
     labels = np.repeat([clip.label for clip in parts], [len(clip.motion.positions) for clip in parts])
-    return Clip(f"take of {actor}", Motion(parts[0].motion.skeleton, np.concatenate(positions), parts[0].motion.rate, whole), "", actor, labels)
+    return Clip(
+        f"take of {actor}",
+        Motion(parts[0].motion.skeleton, np.concatenate(positions), parts[0].motion.rate, whole),
+        "",
+        actor,
+        labels,
+    )
 
 
 def takes(path: Path, actors: list[str], seed: int = 0) -> list[Clip]:
@@ -68,7 +77,14 @@ def rows_of(found: dict[tuple[float, bool], dict[str, np.ndarray]]) -> list[dict
     rows = []
     for (window, allowed), arrays in found.items():
         right, unnamed = shares_of_time(arrays)
-        rows.append({"window s": window, "none allowed": allowed, "time named right %": round(100 * right, 2), "called none %": round(100 * unnamed, 2)})
+        rows.append(
+            {
+                "window s": window,
+                "none allowed": allowed,
+                "time named right %": round(100 * right, 2),
+                "called none %": round(100 * unnamed, 2),
+            }
+        )
     return rows
 
 

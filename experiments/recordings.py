@@ -1,7 +1,7 @@
 """Small generated recordings in the layouts of the real ones, for a quick look where no data set is at hand.
 
-    python recordings.py room FOLDER     noise-free depth along a path through a room, as ICL-NUIM comes (Open3D's layout)
-    python recordings.py street FOLDER   stereo pairs of textured streets, as KITTI stereo 2012 comes, with poses/
+python recordings.py room FOLDER     noise-free depth along a path through a room, as ICL-NUIM comes (Open3D's layout)
+python recordings.py street FOLDER   stereo pairs of textured streets, as KITTI stereo 2012 comes, with poses/
 """
 
 import sys
@@ -28,7 +28,10 @@ def make_room(folder: Path) -> None:
         depth, image = caster.view(ROOM_SHAPE, ROOM_CAMERA, pose)
         images.write_depth_png16(folder / "depth" / f"{index:05d}.png", depth, 1000.0)
         images.write_png(folder / "image" / f"{index:05d}.png", image)
-        lines += [f"{index} {index} {index + 1}", *(" ".join(f"{value:.9f}" for value in row) for row in np.linalg.inv(pose))]
+        lines += [
+            f"{index} {index} {index + 1}",
+            *(" ".join(f"{value:.9f}" for value in row) for row in np.linalg.inv(pose)),
+        ]
     atomic.write_text(folder / "trajectory.log", "\n".join(lines) + "\n")
 
 
@@ -37,18 +40,27 @@ def make_street(folder: Path) -> None:
     shift = np.zeros((3, 4))
     shift[0, 3] = -STREET_CAMERA[0, 0] * BASELINE
     projections = [np.hstack([STREET_CAMERA, np.zeros((3, 1))]) + right * shift for right in (0, 1)]
-    calibration = "".join(f"P{right}: {' '.join(f'{v:.9e}' for v in matrix.ravel())}\n" for right, matrix in enumerate(projections))
+    calibration = "".join(
+        f"P{right}: {' '.join(f'{v:.9e}' for v in matrix.ravel())}\n" for right, matrix in enumerate(projections)
+    )
     for seed, scene in enumerate(SCENES):
-        caster, poses = Caster(_mesh(street(seed))), [pose_at((0.1 * k, 0, STEP * k), 0.004 * k) for k in range(-10, FRAMES - 10)]
+        caster, poses = (
+            Caster(_mesh(street(seed))),
+            [pose_at((0.1 * k, 0, STEP * k), 0.004 * k) for k in range(-10, FRAMES - 10)],
+        )
         atomic.write_text(folder / "calib" / f"{scene}.txt", calibration)
         rows = (np.linalg.inv(pose)[:3].ravel() for pose in poses)
-        atomic.write_text(folder / "poses" / f"{scene}.txt", "".join(" ".join(f"{v:.9e}" for v in row) + "\n" for row in rows))
+        atomic.write_text(
+            folder / "poses" / f"{scene}.txt", "".join(" ".join(f"{v:.9e}" for v in row) + "\n" for row in rows)
+        )
         for frame in (10, 11):
             left, right = (_look(caster, poses[frame], offset, seed) for offset in (0.0, BASELINE))
             for side, (_, image) in enumerate((left, right)):
                 images.write_png(folder / f"image_{side}" / f"{scene}_{frame}.png", image)
             if frame == 10:
-                images.write_depth_png16(folder / "disp_noc" / f"{scene}_10.png", visible(disparity(left[0]), disparity(right[0])), 256.0)
+                images.write_depth_png16(
+                    folder / "disp_noc" / f"{scene}_10.png", visible(disparity(left[0]), disparity(right[0])), 256.0
+                )
 
 
 def pose_at(centre: tuple[float, float, float], turn: float) -> np.ndarray:

@@ -1,7 +1,7 @@
 """How the confidence sets the scale (thesis figures 4.1 and 4.2), as arrays: `python scale_space.py OUT.npz`.
 
-Boxes of several sizes and heights under TV-L1, by an even confidence c and by one that varies in space (4.1); depth maps of which
-one half is three times as noisy, fused with even and with estimated confidences (4.2).
+Boxes of several sizes and heights under TV-L1, by an even confidence c and by one that varies in space (4.1); depth
+maps of which one half is three times as noisy, fused with even and with estimated confidences (4.2).
 """
 
 import sys
@@ -18,7 +18,13 @@ from ipcli.models.fusion.fuse import fuse
 from ipcli.models.fusion.parameters import Confidence, Fusion
 
 SIZE = 128
-BOXES = ((6, 6, 6, 1.0), (6, 22, 10, 0.4), (6, 44, 16, 0.8), (50, 8, 26, 0.5), (46, 62, 44, 1.0))  # row, column, side, height
+BOXES = (
+    (6, 6, 6, 1.0),
+    (6, 22, 10, 0.4),
+    (6, 44, 16, 0.8),
+    (50, 8, 26, 0.5),
+    (46, 62, 44, 1.0),
+)  # row, column, side, height
 EVEN = (1.5, 0.5, 0.3, 0.18, 0.1)
 SMALLEST, THIRD = BOXES[0], BOXES[2]
 VIEWS, NOISE, NOISIER = 11, 0.05, 3.0
@@ -69,8 +75,10 @@ def noisy_fusion() -> dict[str, np.ndarray]:
     views = [View(str(k), depth, camera, np.eye(4)) for k, depth in enumerate(observed)]
     panels = {"truth": truth, "one view": observed[0]}
     for lam in LAMBDAS:
-        panels[f"λ = {lam:g}"] = fuse(views, views[0], Fusion(method="tgv-l1", lam=lam, reassociate=0), inverse=False).depth
-    for name, prior in PRIORS.items():
+        panels[f"λ = {lam:g}"] = fuse(
+            views, views[0], Fusion(method="tgv-l1", lam=lam, reassociate=0), inverse=False
+        ).depth
+    for prior in PRIORS.values():
         fused = fuse(views, views[0], Fusion(method="l1-adapt", reassociate=0, confidence=prior), inverse=False)
         about = f"b = K + {prior.shape - 1:g}, 1/(2W) = {prior.rate:g}"
         panels |= {about: fused.depth, f"confidence, {about}": fused.confidence}
@@ -79,5 +87,9 @@ def noisy_fusion() -> dict[str, np.ndarray]:
 
 if __name__ == "__main__":
     figures = (("4.1", scale_space()), ("4.2", noisy_fusion()))
-    numbered = {f"{figure} {chr(97 + i)} {name}": panel for figure, panels in figures for i, (name, panel) in enumerate(panels.items())}
+    numbered = {
+        f"{figure} {chr(97 + i)} {name}": panel
+        for figure, panels in figures
+        for i, (name, panel) in enumerate(panels.items())
+    }
     npz.write(Path(sys.argv[1]), numbered)

@@ -26,7 +26,9 @@ class ItemsFailed(IpcliError):
     def __init__(self, failed: dict[str, str], done: dict[str, Any]):
         self.failed, self.done = failed, done
         reasons = "; ".join(f"{name}: {reason}" for name, reason in failed.items())
-        super().__init__(f"{len(failed)} of {len(failed) + len(done)} items failed ({reasons}). Run again for only those")
+        super().__init__(
+            f"{len(failed)} of {len(failed) + len(done)} items failed ({reasons}). Run again for only those"
+        )
 
 
 class Attempt(NamedTuple):
@@ -47,8 +49,8 @@ def map_items(
 ) -> dict[str, Any]:
     """`{name: function(name)}` in the order of `items`. One that fails does not stop the others; then ItemsFailed.
 
-    `function` must be importable (a module's function, or a `partial` of one) unless serial. `progress` is told the share
-    done and the name just finished. ParameterError for an unknown executor or names that repeat.
+    `function` must be importable (a module's function, or a `partial` of one) unless serial. `progress` is told the
+    share done and the name just finished. ParameterError for an unknown executor or names that repeat.
     """
     if len(set(items)) != len(items):
         raise ParameterError(f"items repeat: {', '.join(sorted({name for name in items if items.count(name) > 1}))}")

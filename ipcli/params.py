@@ -9,8 +9,9 @@
         weight: float = option(1.0, "Weight of the data.", flag="--lambda", low=0.0)
         solver: Solver = field(default_factory=Solver)
 
-A nested dataclass is a section; its leaves are named with dots: `solver.iterations`. A value is taken from, in this order:
-flag or --set, environment (IPCLI_SOLVER__ITERATIONS), TOML file, default. Standard library only, since `--help` loads it.
+A nested dataclass is a section; its leaves are named with dots: `solver.iterations`. A value is taken from, in this
+order: flag or --set, environment (IPCLI_SOLVER__ITERATIONS), TOML file, default. Standard library only, since `--help`
+loads it.
 """
 
 from __future__ import annotations
@@ -75,7 +76,9 @@ def option(
     high: float | None = None,
     unit: str | None = None,
 ) -> Any:
-    """A dataclass field that is a parameter. Types: int, float, bool, str, tuple[int, ...], tuple[float, ...], X | None."""
+    """A dataclass field that is a parameter. Types: int, float, bool, str, tuple[int, ...], tuple[float, ...], X |
+    None.
+    """
     about = Option(help, flag, tuple(choices) if choices else None, low, high, unit)
     return dataclasses.field(default=default, metadata={"option": about})
 
@@ -126,7 +129,9 @@ def resolve(
     given = _from_sets(sets, known)
     for key, value in (flags or {}).items():
         if key in given:
-            raise ParameterError(f"{known[key].option.flag or key} and --set {key}=... are both given; keep one of them")
+            raise ParameterError(
+                f"{known[key].option.flag or key} and --set {key}=... are both given; keep one of them"
+            )
         given[key] = _accept(value, known[key], known[key].option.flag or key)
     return _changed(cls(), values | given, "")
 

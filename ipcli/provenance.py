@@ -1,4 +1,6 @@
-"""What made an artefact. `record` is the part that repeats (and goes inside it), `run_record` the part that does not."""
+"""What made an artefact. `record` is the part that repeats (and goes inside it), `run_record` the part that
+does not.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +60,9 @@ def record(command: str, params: Mapping[str, Any], inputs: Sequence[Path], kind
 
 
 def run_record(elapsed: float) -> dict[str, Any]:
-    """What varies from run to run, for X.run.json: when, where, how long (s), peak memory (MB), versions, command line."""
+    """What varies from run to run, for X.run.json: when, where, how long (s), peak memory (MB), versions,
+    command line.
+    """
     import platform
     from datetime import UTC, datetime
 

@@ -1,4 +1,6 @@
-"""hypothesis strategies for whole artefacts, generated from the schema so that a new kind is tested without a new test."""
+"""hypothesis strategies for whole artefacts, generated from the schema so that a new kind is tested without a
+new test.
+"""
 
 import numpy as np
 from hypothesis import strategies as st
@@ -24,7 +26,9 @@ def artefacts(draw, kind):
 
 
 def values(field, shape):
-    """Arrays of one field: text, any integers, or floats of its domain with NaN and infinity where these are allowed."""
+    """Arrays of one field: text, any integers, or floats of its domain with NaN and infinity where these are
+    allowed.
+    """
     if field.dtype == "str":
         text = st.sampled_from(field.choices) if field.choices else TEXT
         return nps.arrays(object, shape, elements=text).map(lambda array: np.array(array, dtype=np.str_))

@@ -1,4 +1,6 @@
-"""Small generated scenes for the tests of the fusion: a slanted wall and a ball, cast exactly from cameras side by side."""
+"""Small generated scenes for the tests of the fusion: a slanted wall and a ball, cast exactly from cameras side by
+side.
+"""
 
 from __future__ import annotations
 

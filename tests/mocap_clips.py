@@ -12,7 +12,16 @@ from ipcli.io import h5
 from tests.mocap_bodies import ACTIONS, GROUPS, acted
 
 ACTORS = ("ann", "bob", "cyd", "dan")
-QUICK = ("--frames", "60", "--set", "learning.mixture.sweeps=8", "--set", "learning.mixture.burn_in=4", "--set", "learning.mixture.thin=2")
+QUICK = (
+    "--frames",
+    "60",
+    "--set",
+    "learning.mixture.sweeps=8",
+    "--set",
+    "learning.mixture.burn_in=4",
+    "--set",
+    "learning.mixture.thin=2",
+)
 
 
 def clip(action: str, actor: int, frames: int = 24, repeat: int = 0) -> Clip:
@@ -22,7 +31,9 @@ def clip(action: str, actor: int, frames: int = 24, repeat: int = 0) -> Clip:
 
 def every(frames: int = 24, repeats: int = 2) -> list[Clip]:
     """All people do all things so often."""
-    return [clip(action, actor, frames, n) for action in ACTIONS for actor in range(len(ACTORS)) for n in range(repeats)]
+    return [
+        clip(action, actor, frames, n) for action in ACTIONS for actor in range(len(ACTORS)) for n in range(repeats)
+    ]
 
 
 def take() -> Clip:

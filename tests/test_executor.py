@@ -80,7 +80,9 @@ def test_failures_are_listed_and_the_others_done(executor):
         map_items(fail_some, NAMES, executor)
     assert caught.value.failed == {"scene1": "no overlap", "scene2": "ZeroDivisionError: two lines"}
     assert caught.value.done == {name: name.upper() for name in NAMES if name not in ("scene1", "scene2")}
-    assert str(caught.value).startswith("2 of 6 items failed (scene1: no overlap; scene2: ZeroDivisionError: two lines)")
+    assert str(caught.value).startswith(
+        "2 of 6 items failed (scene1: no overlap; scene2: ZeroDivisionError: two lines)"
+    )
     assert caught.value.exit_code == 1
 
 
@@ -121,7 +123,9 @@ def test_progress_rises_to_one_and_tells_every_name(executor):
     assert {name for _, name in told} == set(NAMES[:4])
 
 
-@pytest.mark.parametrize("executor", ["", "parallel", "processes", "processes:0", "processes:-1", "processes:two", "serial:2"])
+@pytest.mark.parametrize(
+    "executor", ["", "parallel", "processes", "processes:0", "processes:-1", "processes:two", "serial:2"]
+)
 def test_an_unknown_executor_is_a_usage_error(executor):
     with pytest.raises(ParameterError, match="expected serial, processes:N, dask or dask:ADDRESS"):
         map_items(str.upper, ["a"], executor)

@@ -1,4 +1,6 @@
-"""The rules of the house, checked on the source: who imports whom, what is heavy, how long things are, what help costs."""
+"""The rules of the house, checked on the source: who imports whom, what is heavy, how long things are, what
+help costs.
+"""
 
 import ast
 import os
@@ -32,7 +34,19 @@ MAY_IMPORT = {
     "__main__": {"cli"},
     **{name: GROUND for name in GROUND},
 }
-HEAVY = {"numba", "scipy", "cv2", "h5py", "open3d", "pycolmap", "trimesh", "matplotlib", "skimage", "sklearn", "distributed"}
+HEAVY = {
+    "numba",
+    "scipy",
+    "cv2",
+    "h5py",
+    "open3d",
+    "pycolmap",
+    "trimesh",
+    "matplotlib",
+    "skimage",
+    "sklearn",
+    "distributed",
+}
 HELP_SECONDS = 0.3
 
 
@@ -80,7 +94,9 @@ def test_commands_do_not_import_each_other_and_io_knows_of_geometry_cameras_and_
     if here == "cli" and path.stem != "main":
         assert all(d.startswith("ipcli.cli.options") or d == "ipcli.cli.options" for d in own if floor(d) == "cli")
     if here == "io":
-        assert all(d.startswith(("ipcli.geometry.cameras", "ipcli.geometry.skeleton")) for d in own if floor(d) == "geometry")
+        assert all(
+            d.startswith(("ipcli.geometry.cameras", "ipcli.geometry.skeleton")) for d in own if floor(d) == "geometry"
+        )
 
 
 @each_module
@@ -117,7 +133,9 @@ for name in main.COMMANDS:
     assert done.stdout == "".join(f"{name} []\n" for name in cli.COMMANDS)
 
 
-@pytest.mark.parametrize("arguments", [[], *([name] for name in cli.COMMANDS)], ids=lambda arguments: " ".join(["ipcli", *arguments]))
+@pytest.mark.parametrize(
+    "arguments", [[], *([name] for name in cli.COMMANDS)], ids=lambda arguments: " ".join(["ipcli", *arguments])
+)
 def test_help_is_quick(arguments):
     """Seconds of the processor, the best of several, so that a busy machine does not count."""
     best = float("inf")
@@ -149,7 +167,9 @@ def test_no_two_options_of_a_command_share_a_name_and_all_have_help(name):
 def test_the_console_scripts_are_those_of_the_table():
     scripts = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
     table = {name: name.replace("-", "_") for name, command in cli.COMMANDS.items() if command.is_script}
-    assert scripts == {"ipcli": "ipcli.cli.main:main"} | {name: f"ipcli.cli.main:{entry}" for name, entry in table.items()}
+    assert scripts == {"ipcli": "ipcli.cli.main:main"} | {
+        name: f"ipcli.cli.main:{entry}" for name, entry in table.items()
+    }
     for name, entry in table.items():
         assert getattr(cli, entry).args == (name,)
 
@@ -199,10 +219,14 @@ def test_every_module_and_public_function_says_what_it_is_for(path):
     module = tree(path)
     assert ast.get_docstring(module) or not module.body
     if floor(name_of(path)) != "cli":  # a command's docstring is its help
-        public = (node for node in module.body if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and node.name[0] != "_")
+        public = (
+            node for node in module.body if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and node.name[0] != "_"
+        )
         assert [node.name for node in public if not ast.get_docstring(node)] == []
 
 
 @each_module
 def test_names_say_what_a_module_holds(path):
-    assert not {"utils", "util", "helpers", "helper", "manager", "base", "common", "misc"} & set(path.relative_to(ROOT).with_suffix("").parts)
+    assert not {"utils", "util", "helpers", "helper", "manager", "base", "common", "misc"} & set(
+        path.relative_to(ROOT).with_suffix("").parts
+    )

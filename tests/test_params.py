@@ -71,7 +71,12 @@ def test_a_key_given_twice_on_the_command_line_is_refused():
 
 @pytest.mark.parametrize(
     ("text", "key"),
-    [("wieght = 1", "weight"), ("[solver]\niteration = 5", "solver.iterations"), ("solver = 3", "solver.restart"), ("[weight]\nx = 1", "weight")],
+    [
+        ("wieght = 1", "weight"),
+        ("[solver]\niteration = 5", "solver.iterations"),
+        ("solver = 3", "solver.restart"),
+        ("[weight]\nx = 1", "weight"),
+    ],
 )
 def test_an_unknown_key_of_the_file_names_file_and_nearest(tmp_path, text, key):
     config = tmp_path / "my.toml"
@@ -88,7 +93,13 @@ def test_an_unknown_set_and_a_misspelt_variable_are_refused():
 
 
 def test_variables_of_other_commands_and_programs_are_left_alone():
-    env = {"IPCLI_THREADS": "2", "IPCLI_DATA": "x", "IPCLI_UNRELATED_TO_THIS": "1", "PATH": "y", "SOLVER__ITERATIONS": "7"}
+    env = {
+        "IPCLI_THREADS": "2",
+        "IPCLI_DATA": "x",
+        "IPCLI_UNRELATED_TO_THIS": "1",
+        "PATH": "y",
+        "SOLVER__ITERATIONS": "7",
+    }
     assert params.resolve(Example, env=env) == Example()
 
 
@@ -115,7 +126,10 @@ def test_a_bad_value_names_key_value_and_what_is_allowed(setting, expected):
     assert str(caught.value) == f"--set: {key} = '{value}': expected {expected}"
 
 
-@pytest.mark.parametrize("text", ["weight = true", "weight = '1'", "solver.iterations = 2.0", "alphas = 1.0", "alphas = [[1.0]]", "method = 1"])
+@pytest.mark.parametrize(
+    "text",
+    ["weight = true", "weight = '1'", "solver.iterations = 2.0", "alphas = 1.0", "alphas = [[1.0]]", "method = 1"],
+)
 def test_toml_values_keep_their_types(tmp_path, text):
     config = tmp_path / "c.toml"
     config.write_text(text)
@@ -168,7 +182,9 @@ def test_every_value_survives_the_text_of_set_and_environment(example):
 @given(EXAMPLES)
 def test_every_value_survives_toml_and_the_dict_survives_json(tmp_path_factory, example):
     config = tmp_path_factory.mktemp("toml") / "c.toml"
-    lines = [f"{key} = {json.dumps(list(v) if isinstance(v, tuple) else v)}" for key, v in flat(example) if v is not None]
+    lines = [
+        f"{key} = {json.dumps(list(v) if isinstance(v, tuple) else v)}" for key, v in flat(example) if v is not None
+    ]
     config.write_text("\n".join(lines))
     assert params.resolve(Example, config=config) == example
     assert json.loads(json.dumps(params.as_dict(example))) == params.as_dict(example)

@@ -62,7 +62,8 @@ def test_the_digest_depends_on_each_part_but_not_on_the_order_of_keys():
 
 def test_a_record_repeats_in_another_folder_and_names_no_path(tmp_path):
     records = [
-        provenance.record("fuse-depth", {"a": 1}, [tree(tmp_path / place / "in", FILES)], "depth", 7) for place in ("one", "two")
+        provenance.record("fuse-depth", {"a": 1}, [tree(tmp_path / place / "in", FILES)], "depth", 7)
+        for place in ("one", "two")
     ]
     assert json.dumps(records[0]) == json.dumps(records[1])
     assert str(tmp_path) not in json.dumps(records[0])

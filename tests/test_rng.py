@@ -18,7 +18,13 @@ def test_a_change_of_any_part_of_the_name_gives_an_independent_stream():
 def test_the_numbers_are_the_same_in_another_process_whatever_its_hash_seed():
     code = "from ipcli.rng import stream; print(stream(3, 'fuse', 'é').integers(0, 1 << 60, 4).tolist())"
     outputs = [
-        subprocess.run([sys.executable, "-c", code], env={"PYTHONHASHSEED": seed, "PYTHONPATH": ":".join(sys.path)}, capture_output=True, text=True, check=True).stdout
+        subprocess.run(
+            [sys.executable, "-c", code],
+            env={"PYTHONHASHSEED": seed, "PYTHONPATH": ":".join(sys.path)},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
         for seed in ("0", "1")
     ]
     assert outputs == [f"{stream(3, 'fuse', 'é').integers(0, 1 << 60, 4).tolist()}\n"] * 2

@@ -49,7 +49,9 @@ def test_a_missing_field_is_named_unless_optional(kind, name):
 def test_a_wrong_dtype_is_named_with_the_right_one(kind, name):
     arrays = example(kind)
     arrays[name] = np.zeros(arrays[name].shape, np.complex64)
-    with pytest.raises(schema.SchemaError, match=f"{name}: wrong dtype .expected {kind.field(name)[0].dtype}, got complex64"):
+    with pytest.raises(
+        schema.SchemaError, match=f"{name}: wrong dtype .expected {kind.field(name)[0].dtype}, got complex64"
+    ):
         schema.validate(kind, arrays)
 
 
@@ -114,7 +116,9 @@ def test_confidence_may_be_zero_but_not_unknown():
         schema.validate(schema.VIEWS, arrays)
 
 
-@pytest.mark.parametrize(("text", "message"), [("distance", "one of depth, disparity"), ("a\0b", "UTF-8"), ("\ud800", "UTF-8")])
+@pytest.mark.parametrize(
+    ("text", "message"), [("distance", "one of depth, disparity"), ("a\0b", "UTF-8"), ("\ud800", "UTF-8")]
+)
 def test_text_is_one_of_the_choices_and_can_be_stored(text, message):
     with pytest.raises(schema.SchemaError, match=message):
         schema.validate(schema.VIEWS, example(schema.VIEWS) | {"measured": np.array(text)})

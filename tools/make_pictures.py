@@ -1,4 +1,6 @@
-"""Write docs/pictures/*.jpg from the demo's fused map and model of actions: `make demo`, then `python tools/make_pictures.py`."""
+"""Write docs/pictures/*.jpg from the demo's fused map and model of actions: `make demo`, then `python
+tools/make_pictures.py`.
+"""
 
 import sys
 from pathlib import Path
@@ -12,8 +14,17 @@ from ipcli.report import pictures, surface
 
 ROOT = Path(__file__).resolve().parent.parent
 DEMO = ROOT / "build" / "demo"
-SHOWN = {"kick": ("right_leg", 2), "squat": ("left_leg", 2), "walk": ("right_leg", 2), "wave": ("right_arm", 0)}  # of an action: group, axis across
-COLUMNS, CELL, FINE = 6, (104, 150), 8  # behaviours of each, pixels (width, height) of one, parts of a pixel that lines are drawn to
+SHOWN = {
+    "kick": ("right_leg", 2),
+    "squat": ("left_leg", 2),
+    "walk": ("right_leg", 2),
+    "wave": ("right_arm", 0),
+}  # of an action: group, axis across
+COLUMNS, CELL, FINE = (
+    6,
+    (104, 150),
+    8,
+)  # behaviours of each, pixels (width, height) of one, parts of a pixel that lines are drawn to
 PAPER, REST, GROUP = (250, 252, 252), (170, 165, 160), (30, 80, 200)  # BGR
 
 
@@ -25,7 +36,9 @@ def coloured(values: np.ndarray, scale: pictures.Scale) -> np.ndarray:
 def montage(arrays: dict[str, np.ndarray]) -> np.ndarray:
     """Above: reference, median and fused depth. Below: confidence, median and fused surface in light."""
     depth = pictures.robust([arrays["depth"]], "turbo")
-    lit = [surface.shade(normals(arrays[name], arrays["intrinsics"]), arrays["intrinsics"]) for name in ("median", "depth")]
+    lit = [
+        surface.shade(normals(arrays[name], arrays["intrinsics"]), arrays["intrinsics"]) for name in ("median", "depth")
+    ]
     above = [coloured(arrays[name], depth) for name in ("reference", "median", "depth")]
     below = [coloured(arrays["confidence"], pictures.robust([arrays["confidence"]], "viridis"))]
     below += [coloured(light, surface.SHADE) for light in lit]
@@ -48,18 +61,28 @@ def behaviours(arrays: dict[str, np.ndarray]) -> np.ndarray:
     return np.vstack([np.hstack(rows[:2]), np.hstack(rows[2:])])
 
 
-def drawn(poses: np.ndarray, parents: np.ndarray, picked: np.ndarray, across: int, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+def drawn(
+    poses: np.ndarray, parents: np.ndarray, picked: np.ndarray, across: int, low: np.ndarray, high: np.ndarray
+) -> np.ndarray:
     """Poses (p, j, 3) over each other, the first in full and of the others the group alone, faint."""
     width, height = CELL
     image = np.full((height, width, 3), PAPER, np.uint8)
     scale = 0.9 * height / (high[1] - low[1])
     middle = (low[across] + high[across]) / 2
     for index, pose in list(enumerate(poses))[::-1]:
-        flat = np.stack([width / 2 + scale * (pose[:, across] - middle), 0.95 * height - scale * (pose[:, 1] - low[1])], axis=1)
+        flat = np.stack(
+            [width / 2 + scale * (pose[:, across] - middle), 0.95 * height - scale * (pose[:, 1] - low[1])], axis=1
+        )
         for joint, parent in enumerate(parents):
             mine = joint in picked
             if parent >= 0 and (mine or index == 0):
-                colour = REST if not mine else GROUP if index == 0 else tuple((2 * p + g) // 3 for p, g in zip(PAPER, GROUP, strict=True))
+                colour = (
+                    REST
+                    if not mine
+                    else GROUP
+                    if index == 0
+                    else tuple((2 * p + g) // 3 for p, g in zip(PAPER, GROUP, strict=True))
+                )
                 ends = (tuple(int(x) for x in (FINE * flat[end]).round()) for end in (parent, joint))
                 cv2.line(image, *ends, colour, 3 if mine and index == 0 else 2, cv2.LINE_AA, int(np.log2(FINE)))
     return image

@@ -1,7 +1,8 @@
-"""Make sample_data/motions: three people of different build walk, kick, squat and wave, as BVH files ACTION/ACTOR/TAKE.bvh at 30 Hz.
+"""Make sample_data/motions: three people of different build walk, kick, squat and wave, as BVH files
+ACTION/ACTOR/TAKE.bvh at 30 Hz.
 
-Everything is computed from formulas and a fixed seed, so that the files come out byte for byte the same. A take differs from the next in
-tempo, reach, heading and start, and all angles and places carry noise.
+Everything is computed from formulas and a fixed seed, so that the files come out byte for byte the same. A take differs
+from the next in tempo, reach, heading and start, and all angles and places carry noise.
 """
 
 from __future__ import annotations
@@ -41,7 +42,13 @@ for _side, _sign in SIDES.items():
         f"{_side}Leg": (f"{_side}UpLeg", (0, -43, 0), "leg", "XYZ"),
         f"{_side}Foot": (f"{_side}Leg", (0, -42, 0), "leg", "XYZ"),
     }
-ENDS = {"Head": (0, 18, 0), "LeftHand": (9, 0, 0), "RightHand": (-9, 0, 0), "LeftFoot": (0, -7, 14), "RightFoot": (0, -7, 14)}
+ENDS = {
+    "Head": (0, 18, 0),
+    "LeftHand": (9, 0, 0),
+    "RightHand": (-9, 0, 0),
+    "LeftFoot": (0, -7, 14),
+    "RightFoot": (0, -7, 14),
+}
 LEGS = 43 + 42 + 4 + 7  # centimetres from the hips to the sole
 
 
@@ -104,7 +111,12 @@ def bump(times: np.ndarray, centre: float, width: float) -> np.ndarray:
     return np.exp(-0.5 * ((times - centre) / width) ** 2)
 
 
-ACTIONS: dict[str, Callable[[np.ndarray, float], tuple[Angles, np.ndarray]]] = {"walk": walk, "kick": kick, "squat": squat, "wave": wave}
+ACTIONS: dict[str, Callable[[np.ndarray, float], tuple[Angles, np.ndarray]]] = {
+    "walk": walk,
+    "kick": kick,
+    "squat": squat,
+    "wave": wave,
+}
 
 
 def take(action: str, actor: str, number: int) -> str:
@@ -134,10 +146,19 @@ def hierarchy(scale: dict[str, float], parent: str, depth: int) -> list[str]:
             continue
         places = "Xposition Yposition Zposition " if not parent else ""
         turns = " ".join(f"{axis}rotation" for axis in order)
-        lines += [f"{pad}{'JOINT' if parent else 'ROOT'} {joint}", pad + "{", f"{pad}  OFFSET {_place(offset, scale[part])}"]
+        lines += [
+            f"{pad}{'JOINT' if parent else 'ROOT'} {joint}",
+            pad + "{",
+            f"{pad}  OFFSET {_place(offset, scale[part])}",
+        ]
         lines += [f"{pad}  CHANNELS {3 + len(places.split())} {places}{turns}", *hierarchy(scale, joint, depth + 1)]
         if joint in ENDS:
-            lines += [f"{pad}  End Site", pad + "  {", f"{pad}    OFFSET {_place(ENDS[joint], scale[part])}", pad + "  }"]
+            lines += [
+                f"{pad}  End Site",
+                pad + "  {",
+                f"{pad}    OFFSET {_place(ENDS[joint], scale[part])}",
+                pad + "  }",
+            ]
         lines.append(pad + "}")
     return lines
 

@@ -13,13 +13,16 @@ from ipcli.stages.compare import Params
 
 @click.command("compare")
 @click.argument("files", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Table to write, such as X.comparison.h5.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), required=True, help="Table to write, such as X.comparison.h5."
+)
 @options.parameters(Params)
 @options.common
 def main(files: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
     """Compare the errors of fused maps with a truth, or of trials (FILES), over scenes and methods.
 
-    A file's scene is its name up to the first dot. Beside the output come a page to open (.html) and all figures (.csv, .json).
+    A file's scene is its name up to the first dot. Beside the output come a page to open (.html) and all figures (.csv,
+    .json).
     """
     from ipcli.stages import compare
 

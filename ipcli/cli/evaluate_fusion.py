@@ -13,8 +13,12 @@ from ipcli.stages.evaluate_fusion import Params
 
 @click.command("evaluate-fusion")
 @click.argument("views", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Artefact to write, such as SCENE.trials.h5.")
-@click.option("--tuning", type=click.Path(path_type=Path), help="Artefact of tune-fusion: try each method at its best lambda too.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), required=True, help="Artefact to write, such as SCENE.trials.h5."
+)
+@click.option(
+    "--tuning", type=click.Path(path_type=Path), help="Artefact of tune-fusion: try each method at its best lambda too."
+)
 @options.parameters(Params)
 @options.common
 def main(views: Path, output: Path, tuning: Path | None, params: Params, run: Run) -> None:

@@ -13,7 +13,13 @@ from ipcli.stages.fuse_depth import Params
 
 @click.command("fuse-depth")
 @click.argument("views", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Fused map to write, such as X.fused.h5; a folder with --all.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="Fused map to write, such as X.fused.h5; a folder with --all.",
+)
 @options.parameters(Params)
 @options.common
 def main(views: Path, output: Path, params: Params, run: Run) -> None:
@@ -21,7 +27,8 @@ def main(views: Path, output: Path, params: Params, run: Run) -> None:
 
     VIEWS is a views artefact, a dense COLMAP workspace, a TUM, Open3D/ICL-NUIM or 7-Scenes recording, or a plain folder
     (depth/, poses.txt, intrinsics.txt). Beside the output come a coloured mesh (.ply) and a report to open (.html).
-    With --all each view is the reference in turn and the output a folder of NAME.fused.h5, which `ipcli merge-depth` joins.
+    With --all each view is the reference in turn and the output a folder of NAME.fused.h5, which `ipcli merge-depth`
+    joins.
     """
     from ipcli.stages import fuse_depth
 

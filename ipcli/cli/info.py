@@ -28,7 +28,9 @@ def main(file: Path, run: Run) -> None:
 
 def _artefact(found: dict[str, Any]) -> Iterator[str]:
     yield f"{found['file']}: kind '{found['kind']}', version {found['version']}"
-    rows = [(name, _shape(d["shape"]), d["dtype"], d["units"] or "-", d["doc"]) for name, d in found["datasets"].items()]
+    rows = [
+        (name, _shape(d["shape"]), d["dtype"], d["units"] or "-", d["doc"]) for name, d in found["datasets"].items()
+    ]
     widths = [max(map(len, column)) for column in list(zip(*rows, strict=True))[:4]]
     for row in rows:
         yield "  " + "  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[4]])

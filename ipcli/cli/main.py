@@ -1,6 +1,7 @@
 """The table of commands, and the one place where an error becomes a line on stderr and an exit code.
 
-0 done or up to date, 1 failed, 2 wrong usage, 3 no solution, 130 interrupted. A command's module is loaded when it is called for.
+0 done or up to date, 1 failed, 2 wrong usage, 3 no solution, 130 interrupted. A command's module is loaded when it is
+called for.
 """
 
 from __future__ import annotations
@@ -30,15 +31,23 @@ class Command(NamedTuple):
 
 COMMANDS = {
     "compare": Command("ipcli.cli.compare:main", "Compare methods by their errors over scenes."),
-    "evaluate-fusion": Command("ipcli.cli.evaluate_fusion:main", "Measure the errors of all fusion methods on a scene."),
+    "evaluate-fusion": Command(
+        "ipcli.cli.evaluate_fusion:main", "Measure the errors of all fusion methods on a scene."
+    ),
     "fuse-depth": Command("ipcli.cli.fuse_depth:main", "Fuse depth maps of several views into one.", is_script=True),
-    "import-clips": Command("ipcli.cli.import_clips:main", "Turn motion capture files into one file of labelled clips."),
-    "import-views": Command("ipcli.cli.import_views:main", "Turn a folder of depth maps and poses into one views file."),
+    "import-clips": Command(
+        "ipcli.cli.import_clips:main", "Turn motion capture files into one file of labelled clips."
+    ),
+    "import-views": Command(
+        "ipcli.cli.import_views:main", "Turn a folder of depth maps and poses into one views file."
+    ),
     "info": Command("ipcli.cli.info:main", "Tell what a file holds and how it was made."),
     "kitti-views": Command("ipcli.cli.kitti_views:main", "Make views of KITTI stereo pairs."),
     "mocap-classify": Command("ipcli.cli.mocap_classify:main", "Name the action of a motion.", is_script=True),
     "mocap-evaluate": Command("ipcli.cli.mocap_evaluate:main", "Tell how often actions are named right."),
-    "mocap-train": Command("ipcli.cli.mocap_train:main", "Learn the behaviours of actions from motions.", is_script=True),
+    "mocap-train": Command(
+        "ipcli.cli.mocap_train:main", "Learn the behaviours of actions from motions.", is_script=True
+    ),
     "render-views": Command("ipcli.cli.render_views:main", "Render depth maps of a mesh, with noise if wanted."),
     "merge-depth": Command("ipcli.cli.merge_depth:main", "Join fused depth maps into one coloured cloud."),
     "report": Command("ipcli.cli.report:main", "Turn artefacts into one HTML page."),
@@ -63,7 +72,9 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         return load(cmd_name) if cmd_name in COMMANDS else None
 
-    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in COMMANDS:
             raise click.UsageError(f"no command '{args[0]}'{nearest(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)
@@ -119,7 +130,9 @@ def _guarded(command: click.Command, name: str, arguments: list[str] | None) -> 
     except MemoryError:
         return _failed("out of memory. Fewer or smaller views, or --executor serial, need less", 1)
     except Exception as error:
-        return _failed(f"internal error: {type(error).__name__}: {error}. Run again with -vv and report what it prints", 1)
+        return _failed(
+            f"internal error: {type(error).__name__}: {error}. Run again with -vv and report what it prints", 1
+        )
 
 
 def _failed(message: str, code: int) -> int:

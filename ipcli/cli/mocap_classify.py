@@ -14,14 +14,17 @@ from ipcli.stages.mocap_classify import Params
 @click.command("mocap-classify")
 @click.argument("model", type=click.Path(path_type=Path))
 @click.argument("clips", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Answers to write, such as X.recognition.h5.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), required=True, help="Answers to write, such as X.recognition.h5."
+)
 @options.parameters(Params)
 @options.common
 def main(model: Path, clips: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
     """Name the action of each of CLIPS by a MODEL of mocap-train, or `none` if it is like nothing that was learnt.
 
-    CLIPS are read as mocap-train reads them. --unordered 20 asks about 20 frames of each clip in no order; --window 1 asks along long
-    takes, second by second. Beside the output come a page to open (.html) and a table (.csv), of segments with --window.
+    CLIPS are read as mocap-train reads them. --unordered 20 asks about 20 frames of each clip in no order; --window 1
+    asks along long takes, second by second. Beside the output come a page to open (.html) and a table (.csv), of
+    segments with --window.
     """
     from ipcli.stages import mocap_classify
 

@@ -13,14 +13,21 @@ from ipcli.stages.mocap_evaluate import Params
 
 @click.command("mocap-evaluate")
 @click.argument("clips", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Evaluation to write, such as X.evaluation.h5.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="Evaluation to write, such as X.evaluation.h5.",
+)
 @options.parameters(Params)
 @options.common
 def main(clips: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
-    """Learn from a part of labelled CLIPS and tell how often the others are named right, single frames and whole clips apart.
+    """Learn from a part of labelled CLIPS and tell how often the others are named right, single frames and whole clips
+    apart.
 
-    By default the people who are recognised are not those who are learnt from: that is what figures for new recordings must be from.
-    Beside the output comes a page to open (.html).
+    By default the people who are recognised are not those who are learnt from: that is what figures for new recordings
+    must be from. Beside the output comes a page to open (.html).
     """
     from ipcli.stages import mocap_evaluate
 

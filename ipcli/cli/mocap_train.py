@@ -13,14 +13,17 @@ from ipcli.stages.mocap_train import Params
 
 @click.command("mocap-train")
 @click.argument("clips", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Model to write, such as X.model.h5.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), required=True, help="Model to write, such as X.model.h5."
+)
 @options.parameters(Params)
 @options.common
 def main(clips: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
     """Learn from labelled CLIPS how each part of the body behaves in each action.
 
-    CLIPS are clips artefacts (ipcli import-clips) or motion files, folders and archives as that command reads them, all of one skeleton.
-    Beside the output comes a report to open (.html). A run that was killed goes on where it was; --executor processes:2 uses two cores.
+    CLIPS are clips artefacts (ipcli import-clips) or motion files, folders and archives as that command reads them, all
+    of one skeleton. Beside the output comes a report to open (.html). A run that was killed goes on where it was;
+    --executor processes:2 uses two cores.
     """
     from ipcli.stages import mocap_train
 

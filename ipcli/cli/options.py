@@ -4,8 +4,8 @@
 `@common`          these and --threads --seed --overwrite -n --executor      for commands that make artefacts
 `@parameters(Cls)` a flag for each `option(flag=...)` of a params dataclass, --set for the rest, --config for a file
 
-The body of a command gets `run: Run` from the first two and `params: Cls` from the last. `progress` and `conclude` are its voice:
-progress goes to stderr, results alone to stdout.
+The body of a command gets `run: Run` from the first two and `params: Cls` from the last. `progress` and `conclude` are
+its voice: progress goes to stderr, results alone to stdout.
 """
 
 from __future__ import annotations
@@ -68,7 +68,9 @@ EXECUTOR = click.option(
     envvar="IPCLI_EXECUTOR",
     help="Where many items run: serial, processes:N, dask or dask:ADDRESS.  [default: serial]",
 )
-CONFIG = click.option("--config", type=click.Path(path_type=Path), metavar="FILE.toml", help="Read parameters from a file.")
+CONFIG = click.option(
+    "--config", type=click.Path(path_type=Path), metavar="FILE.toml", help="Read parameters from a file."
+)
 SET = click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="Set any parameter; may be repeated.")
 
 
@@ -198,7 +200,9 @@ class Teller:
 
 
 def conclude(result: Path | Mapping[str, Any], run: Run) -> None:
-    """The result on stdout: with --json one object ({"output": path} for a path), else the path, or each `key: value`."""
+    """The result on stdout: with --json one object ({"output": path} for a path), else the path, or each
+    `key: value`.
+    """
     facts = result if isinstance(result, Mapping) else {"output": result}
     if run.json:
         click.echo(json.dumps(_jsonable(facts), allow_nan=False))

@@ -14,12 +14,18 @@ from ipcli.stages.render_views import Params
 @click.command("render-views")
 @click.argument("mesh", type=click.Path(path_type=Path))
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path), required=True, help="The views artefact to write, such as X.views.h5."
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="The views artefact to write, such as X.views.h5.",
 )
 @options.parameters(Params)
 @options.common
 def main(mesh: Path, output: Path, params: Params, run: Run) -> None:
-    """Render depth maps of MESH (PLY or OBJ) along a camera path, with noise if wanted; the true depth stays with them."""
+    """Render depth maps of MESH (PLY or OBJ) along a camera path, with noise if wanted; the true depth stays
+    with them.
+    """
     from ipcli.stages import render_views
 
     with options.progress("render-views", run) as tell:

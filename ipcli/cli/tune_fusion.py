@@ -13,14 +13,17 @@ from ipcli.stages.tune_fusion import Params
 
 @click.command("tune-fusion")
 @click.argument("files", metavar="VIEWS...", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Artefact to write, such as X.tuning.h5.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), required=True, help="Artefact to write, such as X.tuning.h5."
+)
 @options.parameters(Params)
 @options.common
 def main(files: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
     """Fuse each scene of VIEWS, whose truth is known, by several methods at several lambdas.
 
-    Says which lambda is best for each method on average over the scenes, and how close the automatic one comes. Beside the
-    output comes a page with the curves (.html). evaluate-fusion reports the methods at their best lambda on other scenes.
+    Says which lambda is best for each method on average over the scenes, and how close the automatic one comes. Beside
+    the output comes a page with the curves (.html). evaluate-fusion reports the methods at their best lambda on other
+    scenes.
     """
     from ipcli.stages import tune_fusion
 

@@ -6,7 +6,8 @@ down and z forward; depth is the z coordinate in the camera frame; ``cam_from_wo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence as Ordered
+from collections.abc import Callable
+from collections.abc import Sequence as Ordered
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol

@@ -1,8 +1,10 @@
-"""SO(3) and SE(3): log and exp, means, the product metric, the smallest rotation between directions (thesis 2.4 and 5.2).
+"""SO(3) and SE(3): log and exp, means, the product metric, the smallest rotation between directions (thesis 2.4 and
+5.2).
 
-Rotations are matrices (..., 3, 3), tangent vectors are rotation vectors (..., 3) in radians, twists are (..., 6) = (omega, v). All
-functions work on any leading shape at once. SE(3) has no bi-invariant metric: here it carries the product metric of SO(3) x R^3,
-whose geodesics are (5.5). A rotation or translation with NaN is one that is not known; means leave it out.
+Rotations are matrices (..., 3, 3), tangent vectors are rotation vectors (..., 3) in radians, twists are (..., 6) =
+(omega, v). All functions work on any leading shape at once. SE(3) has no bi-invariant metric: here it carries the
+product metric of SO(3) x R^3, whose geodesics are (5.5). A rotation or translation with NaN is one that is not known;
+means leave it out.
 """
 
 from __future__ import annotations
@@ -43,11 +45,13 @@ def chordal_mean(rotations: np.ndarray) -> np.ndarray:
 
 
 def karcher_mean(rotations: np.ndarray, *, tolerance: float = 1e-12, iterations: int = 200) -> np.ndarray:
-    """Means (..., 3, 3) of sets of rotations (..., n, 3, 3) in the bi-invariant metric: where the logarithms sum to zero.
+    """Means (..., 3, 3) of sets of rotations (..., n, 3, 3) in the bi-invariant metric: where the logarithms sum to
+    zero.
 
-    The fixed point R <- R exp(mean log(R^T R_i)) from the chordal mean, until it turns by less than `tolerance` radians; only the
-    sets that still turn are iterated. Unique when a set lies in a ball of radius below pi/2 (Karcher 1977; Manton 2004); of a wider
-    one this is a stationary point, as good as `iterations` steps make it. NaN where a set has nothing known.
+    The fixed point R <- R exp(mean log(R^T R_i)) from the chordal mean, until it turns by less than `tolerance`
+    radians; only the sets that still turn are iterated. Unique when a set lies in a ball of radius below pi/2 (Karcher
+    1977; Manton 2004); of a wider one this is a stationary point, as good as `iterations` steps make it. NaN where a
+    set has nothing known.
     """
     known, filled = (part.reshape(-1, *part.shape[rotations.ndim - 3 :]) for part in _split(rotations))
     mean = chordal_mean(rotations).reshape(-1, 3, 3)
@@ -64,7 +68,8 @@ def karcher_mean(rotations: np.ndarray, *, tolerance: float = 1e-12, iterations:
 
 
 def product_mean(rotations: np.ndarray, translations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean (R, d) of sets of rigid motions in the product metric: Karcher mean and arithmetic mean (Algorithm 5.1, line 1).
+    """Mean (R, d) of sets of rigid motions in the product metric: Karcher mean and arithmetic mean (Algorithm 5.1, line
+    1).
 
     `rotations` (..., n, 3, 3), `translations` (..., n, 3); a motion counts only if both parts are known.
     """
@@ -79,23 +84,27 @@ def product_log(
 ) -> np.ndarray:
     """Twists (..., 6) = (log(R^T R_i), R^T (d_i - d)) of the geodesics (5.5) from (R, d) to (R_i, d_i), at their start.
 
-    This is the tangent of the product metric at (R, d) in its own frame. Line 3 of Algorithm 5.1 leaves t open, and its linear
-    part turns with t; t = 0 is the point where the mean is.
+    This is the tangent of the product metric at (R, d) in its own frame. Line 3 of Algorithm 5.1 leaves t open, and its
+    linear part turns with t; t = 0 is the point where the mean is.
     """
     back = np.swapaxes(rotation, -1, -2)
-    return np.concatenate([log(back @ rotations), np.einsum("...ij,...j->...i", back, translations - translation)], axis=-1)
+    return np.concatenate(
+        [log(back @ rotations), np.einsum("...ij,...j->...i", back, translations - translation)], axis=-1
+    )
 
 
 def product_exp(rotation: np.ndarray, translation: np.ndarray, twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """End (R_i, d_i) at t = 1 of the geodesics (5.5) that leave (R, d) with the twists (..., 6); inverse of `product_log`."""
+    """End (R_i, d_i) at t = 1 of the geodesics (5.5) that leave (R, d) with the twists (..., 6); inverse of
+    `product_log`.
+    """
     return rotation @ exp(twists[..., :3]), translation + np.einsum("...ij,...j->...i", rotation, twists[..., 3:])
 
 
 def screw_exp(twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Matrix exponential of twists (..., 6): rotations (..., 3, 3) and translations (..., 3) (line 2 of Algorithm 5.2).
 
-    The one-parameter subgroups of SE(3) are screws, not geodesics of the product metric: exp(omega, v) moves by V(omega) v,
-    `product_exp` at the identity by v.
+    The one-parameter subgroups of SE(3) are screws, not geodesics of the product metric: exp(omega, v) moves by
+    V(omega) v, `product_exp` at the identity by v.
     """
     from scipy.spatial.transform import RigidTransform
 
@@ -111,8 +120,8 @@ def screw_exp(twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def minimal_rotation(directions: np.ndarray) -> np.ndarray:
     """Smallest rotations (..., 3, 3) that carry the x axis onto directions (..., 3) of any length (thesis 5.1).
 
-    I + [w] + [w]^2 / (1 + c) with w = x cross b and c = x . b, which has no square root and no angle. Opposite to x there are many:
-    then half a turn about z. NaN for a direction that is zero or unknown.
+    I + [w] + [w]^2 / (1 + c) with w = x cross b and c = x . b, which has no square root and no angle. Opposite to x
+    there are many: then half a turn about z. NaN for a direction that is zero or unknown.
     """
     directions = np.asarray(directions, np.float64)
     length = np.linalg.norm(directions, axis=-1, keepdims=True)
@@ -122,7 +131,9 @@ def minimal_rotation(directions: np.ndarray) -> np.ndarray:
 
 
 def _from_x(c: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """The closed form for unit (c, y, z). 1 / (1 + c) comes from y^2 + z^2 = (1 - c)(1 + c) where 1 + c would lose its digits."""
+    """The closed form for unit (c, y, z). 1 / (1 + c) comes from y^2 + z^2 = (1 - c)(1 + c) where 1 + c would lose its
+    digits.
+    """
     with np.errstate(invalid="ignore", divide="ignore"):
         across = y * y + z * z
         k = np.where(c > 0, 1 / (1 + c), (1 - c) / across)

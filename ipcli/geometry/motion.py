@@ -14,8 +14,9 @@ from ipcli.geometry.skeleton import Clip, Groups, Motion, Skeleton
 def resample(motion: Motion, rate: float) -> Motion:
     """The motion at another rate, from its first frame on: times k / rate up to the last frame.
 
-    Positions are interpolated linearly, rotations along the geodesic between neighbours. At a whole fraction of the rate frames are
-    picked as they are, unfiltered. Between two frames of which one is not known nothing is known. Raises ParameterError.
+    Positions are interpolated linearly, rotations along the geodesic between neighbours. At a whole fraction of the
+    rate frames are picked as they are, unfiltered. Between two frames of which one is not known nothing is known.
+    Raises ParameterError.
     """
     before, share = _between(motion, rate)
     after = np.minimum(before + 1, len(motion.positions) - 1)
@@ -30,7 +31,11 @@ def resample_clip(clip: Clip, rate: float) -> Clip:
         return clip
     before, share = _between(clip.motion, rate)
     labels = clip.frame_labels
-    return replace(clip, motion=resample(clip.motion, rate), frame_labels=None if labels is None else labels[before + (share > 0.5)])
+    return replace(
+        clip,
+        motion=resample(clip.motion, rate),
+        frame_labels=None if labels is None else labels[before + (share > 0.5)],
+    )
 
 
 def _between(motion: Motion, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -63,7 +68,9 @@ def _turn(rotations: np.ndarray, before: np.ndarray, after: np.ndarray, share: n
 
 
 def mirrored(motion: Motion, groups: Groups) -> Motion:
-    """What a mirror shows: left and right change places. Rotations stay rotations. Raises ParameterError as Groups.images does."""
+    """What a mirror shows: left and right change places. Rotations stay rotations. Raises ParameterError as
+    Groups.images does.
+    """
     images = groups.images(motion.skeleton)
     flip = np.ones(3)
     flip[np.abs(groups.up).argmin()] = -1.0
@@ -72,10 +79,11 @@ def mirrored(motion: Motion, groups: Groups) -> Motion:
 
 
 def rotations_from_positions(skeleton: Skeleton, positions: np.ndarray) -> np.ndarray:
-    """world_from_bone (f, j, 3, 3) of positions (f, j, 3): the smallest rotations from the world's x axis onto the bones (thesis 5.1).
+    """world_from_bone (f, j, 3, 3) of positions (f, j, 3): the smallest rotations from the world's x axis onto the
+    bones (thesis 5.1).
 
-    The bone of a joint comes from its parent. A root has none: it is only translated. NaN where an end of the bone is not known, or
-    where it has no length.
+    The bone of a joint comes from its parent. A root has none: it is only translated. NaN where an end of the bone is
+    not known, or where it has no length.
     """
     rotations = np.broadcast_to(np.eye(3), (*positions.shape, 3)).copy()
     bones = skeleton.bones()
@@ -85,7 +93,9 @@ def rotations_from_positions(skeleton: Skeleton, positions: np.ndarray) -> np.nd
 
 
 def bone_lengths(motion: Motion) -> np.ndarray:
-    """Median length (j,) in metres of the bone from the parent to each joint over the frames that show both; 0 of a root."""
+    """Median length (j,) in metres of the bone from the parent to each joint over the frames that show both; 0 of a
+    root.
+    """
     lengths = np.zeros(len(motion.skeleton.joints))
     parents, joints = motion.skeleton.bones().T
     found = np.linalg.norm(motion.positions[:, joints] - motion.positions[:, parents], axis=-1)
@@ -98,9 +108,11 @@ def bone_lengths(motion: Motion) -> np.ndarray:
 
 
 def body_height(motion: Motion, groups: Groups) -> float:
-    """Length in metres of the chain of bones from the top joint to the bottom (head to foot), the mean over the bottoms.
+    """Length in metres of the chain of bones from the top joint to the bottom (head to foot), the mean over the
+    bottoms.
 
-    The same for all poses. NaN when a bone of the chains is never seen, 0 when top and bottom hang from different roots' ends.
+    The same for all poses. NaN when a bone of the chains is never seen, 0 when top and bottom hang from different
+    roots' ends.
     """
     lengths, skeleton = bone_lengths(motion), motion.skeleton
     top = set(skeleton.path(int(skeleton.indices([groups.top], groups.source)[0])))
@@ -109,10 +121,11 @@ def body_height(motion: Motion, groups: Groups) -> float:
 
 
 def heading(motion: Motion, groups: Groups) -> np.ndarray:
-    """world_from_body (f, 3, 3): z forward, y up, x to the left, from the joints on the left and the right (hips, shoulders).
+    """world_from_body (f, 3, 3): z forward, y up, x to the left, from the joints on the left and the right (hips,
+    shoulders).
 
-    Forward is up x (right - left), made horizontal; pairs of which one side is not seen are left out. NaN where no pair is seen or
-    the body lies on its side, so that left and right are one above the other.
+    Forward is up x (right - left), made horizontal; pairs of which one side is not seen are left out. NaN where no pair
+    is seen or the body lies on its side, so that left and right are one above the other.
     """
     left = motion.positions[:, motion.skeleton.indices(groups.left, groups.source)]
     right = motion.positions[:, motion.skeleton.indices(groups.right, groups.source)]
@@ -128,7 +141,13 @@ def heading(motion: Motion, groups: Groups) -> np.ndarray:
 
 
 def span(positions: np.ndarray) -> float:
-    """Median over the frames of the largest extent of the body along a world axis, in the unit of the positions (f, j, 3)."""
+    """Median over the frames of the largest extent of the body along a world axis, in the unit of the positions (f, j,
+    3).
+    """
     with np.errstate(invalid="ignore"):
         seen = positions[np.isfinite(positions).all(axis=-1).sum(axis=-1) > 1]
-    return float(np.median((np.nanmax(seen, axis=1) - np.nanmin(seen, axis=1)).max(axis=-1))) if len(seen) else float("nan")
+    return (
+        float(np.median((np.nanmax(seen, axis=1) - np.nanmin(seen, axis=1)).max(axis=-1)))
+        if len(seen)
+        else float("nan")
+    )

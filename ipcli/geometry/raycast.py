@@ -1,4 +1,6 @@
-"""Triangle meshes as depth cameras see them: ray casting, and the two camera paths of the thesis' synthetic data (4.5.2)."""
+"""Triangle meshes as depth cameras see them: ray casting, and the two camera paths of the thesis' synthetic data
+(4.5.2).
+"""
 
 from __future__ import annotations
 
@@ -39,10 +41,13 @@ class Caster:
     def view(
         self, shape: tuple[int, int], intrinsics: np.ndarray, cam_from_world: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Depth (h, w) float32 along the optical axis, NaN where no surface is hit, and the image (h, w, 3) uint8 that a lamp
-        at the camera would give."""
+        """Depth (h, w) float32 along the optical axis, NaN where no surface is hit, and the image (h, w, 3) uint8 that
+        a lamp at the camera would give.
+        """
         rotation, origin = cam_from_world[:3, :3], np.linalg.inv(cam_from_world)[:3, 3]
-        directions = rays(shape, intrinsics) @ rotation  # in the world; z in the camera is 1, so t along them is the depth
+        directions = (
+            rays(shape, intrinsics) @ rotation
+        )  # in the world; z in the camera is 1, so t along them is the depth
         hit = self._scene.cast_rays(self._core.Tensor(self._packed(origin, directions)))
         depth = hit["t_hit"].numpy()
         depth = np.where(np.isfinite(depth), depth, np.nan).astype(np.float32)
@@ -56,7 +61,9 @@ class Caster:
 
 
 def unit_sphere(mesh: Mesh, up: str = "y") -> Mesh:
-    """The mesh turned so that its axis `up` is y, its bounding box centred at the origin, its farthest vertex at distance 1."""
+    """The mesh turned so that its axis `up` is y, its bounding box centred at the origin, its farthest vertex at
+    distance 1.
+    """
     vertices = np.roll(mesh.vertices, 1 - "xyz".index(up), axis=1)  # cyclic, so that nothing is mirrored
     vertices = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     return replace(mesh, vertices=vertices / np.linalg.norm(vertices, axis=1).max())
@@ -74,7 +81,9 @@ def offsets(views: int) -> np.ndarray:
 
 
 def orbit(views: int, spacing: float) -> np.ndarray:
-    """cam_from_world (views, 4, 4) of a camera at DISTANCE facing the origin, turning about y by `spacing` times STEP a view."""
+    """cam_from_world (views, 4, 4) of a camera at DISTANCE facing the origin, turning about y by `spacing` times STEP a
+    view.
+    """
     poses = np.tile(np.eye(4), (views, 1, 1))
     for pose, angle in zip(poses, offsets(views) * spacing * STEP, strict=True):
         c, s = np.cos(angle), np.sin(angle)
@@ -84,7 +93,9 @@ def orbit(views: int, spacing: float) -> np.ndarray:
 
 
 def strip(views: int, spacing: float) -> np.ndarray:
-    """cam_from_world (views, 4, 4) of a camera at HEIGHT that faces straight down and moves along x by `spacing` a view."""
+    """cam_from_world (views, 4, 4) of a camera at HEIGHT that faces straight down and moves along x by `spacing` a
+    view.
+    """
     poses = np.tile(np.eye(4), (views, 1, 1))
     poses[:, :3, :3] = LOOKING
     poses[:, 0, 3] = -spacing * offsets(views)

@@ -1,8 +1,8 @@
 """Skeletons, their motions, labelled clips of motion, and groups of joints (thesis 5.1, 5.3).
 
-Conventions, the same everywhere in ipcli: metres, seconds, y up, right-handed. `world_from_bone` (f, j, 3, 3) is the frame that moves
-with a joint, as its format defines it: of an ASF bone it sits at the far end of the bone of that name, of a BVH joint at the joint
-itself. What was not seen is NaN, and nothing is ever filled in.
+Conventions, the same everywhere in ipcli: metres, seconds, y up, right-handed. `world_from_bone` (f, j, 3, 3) is the
+frame that moves with a joint, as its format defines it: of an ASF bone it sits at the far end of the bone of that name,
+of a BVH joint at the joint itself. What was not seen is NaN, and nothing is ever filled in.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ TRAIN, TEST = 1, 2  # entries of a published split; 0 is neither
 
 @dataclass(frozen=True)
 class Skeleton:
-    """Joints by name, and the index of the parent of each (-1: none). Any order; several roots are allowed (loose markers)."""
+    """Joints by name, and the index of the parent of each (-1: none). Any order; several roots are allowed (loose
+    markers).
+    """
 
     joints: tuple[str, ...]
     parents: tuple[int, ...]
@@ -93,12 +95,16 @@ class Clips:
     skeleton: Skeleton
     load: Callable[[str], Clip]
     files: Callable[[str], tuple[Path, ...]]  # what a clip is made of, for the provenance
-    splits: Mapping[str, np.ndarray] = field(default_factory=dict)  # published ones: name -> (clips,) of TRAIN, TEST or 0
+    splits: Mapping[str, np.ndarray] = field(
+        default_factory=dict
+    )  # published ones: name -> (clips,) of TRAIN, TEST or 0
 
 
 @dataclass(frozen=True)
 class Groups:
-    """Parts of the body as lists of joints, from the trunk outwards, and the joints that say where the body is and how tall."""
+    """Parts of the body as lists of joints, from the trunk outwards, and the joints that say where the body is and how
+    tall.
+    """
 
     parts: Mapping[str, tuple[str, ...]]
     root: str
@@ -118,8 +124,9 @@ class Groups:
     def images(self, skeleton: Skeleton) -> np.ndarray:
         """Index (j,) of the joint that stands for each one in a mirror.
 
-        Left and right are told by the lists of those names and by parts named left_X and right_X, joint by joint, and by what these
-        hang from. All others, those that no part reaches included, stand for themselves. ParameterError where the skeleton is not alike on both sides.
+        Left and right are told by the lists of those names and by parts named left_X and right_X, joint by joint, and
+        by what these hang from. All others, those that no part reaches included, stand for themselves. ParameterError
+        where the skeleton is not alike on both sides.
         """
         parts = self.indices(skeleton)
         pairs = [*zip(skeleton.indices(self.left, self.source), skeleton.indices(self.right, self.source), strict=True)]
@@ -130,9 +137,14 @@ class Groups:
         for left, right in pairs:
             chains = skeleton.path(int(left)), skeleton.path(int(right))
             both = list(zip(*chains, strict=False))
-            if len({*map(len, chains)}) > 1 or any(found.setdefault(a, b) != b or found.setdefault(b, a) != a for a, b in both):
+            if len({*map(len, chains)}) > 1 or any(
+                found.setdefault(a, b) != b or found.setdefault(b, a) != a for a, b in both
+            ):
                 one, other = (skeleton.joints[joint] for joint in (left, right))
-                raise ParameterError(f"{self.source}: '{one}' and '{other}' are no mirror images. List the joints of left_X and right_X alike")
+                raise ParameterError(
+                    f"{self.source}: '{one}' and '{other}' are no mirror images. List the joints of left_X and right_X "
+                    "alike"
+                )
         return np.array([found.get(joint, joint) for joint in range(len(skeleton.joints))], np.int64)
 
 
@@ -156,11 +168,16 @@ def forward_kinematics(
 
 
 def check(motion: Motion, where: str | Path) -> Motion:
-    """The motion if it is sound, else FormatError naming the place: shapes, finite or NaN, rotations that rotate, a rate."""
+    """The motion if it is sound, else FormatError naming the place: shapes, finite or NaN, rotations that rotate, a
+    rate.
+    """
     skeleton, positions = motion.skeleton, motion.positions
     _check_skeleton(skeleton, where)
     if positions.ndim != 3 or positions.shape[1:] != (len(skeleton.joints), 3):
-        expected, fix = f"(frames, {len(skeleton.joints)}, 3)", "Give x, y, z of every joint in every frame, NaN where unknown"
+        expected, fix = (
+            f"(frames, {len(skeleton.joints)}, 3)",
+            "Give x, y, z of every joint in every frame, NaN where unknown",
+        )
         raise FormatError(where, "positions have the wrong shape", expected=expected, got=positions.shape, fix=fix)
     if not len(positions):
         raise FormatError(where, "no frames", expected="at least one", fix="Leave out empty recordings")
@@ -171,7 +188,9 @@ def check(motion: Motion, where: str | Path) -> Motion:
     if np.isnan(positions).all():
         raise FormatError(where, "no joint is known in any frame", fix="Check the columns, or leave the recording out")
     if not (np.isfinite(motion.rate) and motion.rate > 0):
-        raise FormatError(where, "no frame rate", expected="> 0 Hz", got=motion.rate, fix="Give the rate with --source-rate")
+        raise FormatError(
+            where, "no frame rate", expected="> 0 Hz", got=motion.rate, fix="Give the rate with --source-rate"
+        )
     if motion.rotations is not None:
         _check_rotations(motion, where)
     return motion
@@ -181,16 +200,22 @@ def _check_skeleton(skeleton: Skeleton, where: str | Path) -> None:
     if len(set(skeleton.joints)) < len(skeleton.joints):
         twice = next(name for name in skeleton.joints if skeleton.joints.count(name) > 1)
         raise FormatError(where, f"two joints are named '{twice}'", fix="Give each joint its own name")
-    if len(skeleton.parents) != len(skeleton.joints) or not all(-1 <= p < len(skeleton.joints) for p in skeleton.parents):
+    if len(skeleton.parents) != len(skeleton.joints) or not all(
+        -1 <= p < len(skeleton.joints) for p in skeleton.parents
+    ):
         expected = f"{len(skeleton.joints)} indices of joints, -1 for none"
-        raise FormatError(where, "parents do not fit the joints", expected=expected, got=skeleton.parents, fix="Check the parents")
+        raise FormatError(
+            where, "parents do not fit the joints", expected=expected, got=skeleton.parents, fix="Check the parents"
+        )
     skeleton.from_root()
 
 
 def _check_rotations(motion: Motion, where: str | Path) -> None:
     rotations, expected = motion.rotations, (*motion.positions.shape, 3)
     if rotations.shape != expected:
-        raise FormatError(where, "rotations have the wrong shape", expected=expected, got=rotations.shape, fix="Give 3 x 3 matrices")
+        raise FormatError(
+            where, "rotations have the wrong shape", expected=expected, got=rotations.shape, fix="Give 3 x 3 matrices"
+        )
     product = np.swapaxes(rotations, -1, -2) @ rotations
     with np.errstate(invalid="ignore"):
         bad = (np.abs(product - np.eye(3)).max(axis=(-2, -1)) > RIGID_TOLERANCE) | (np.linalg.det(rotations) < 0)

@@ -8,10 +8,11 @@ from ipcli.geometry.cameras import rays
 
 
 def normals(depth: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
-    """Unit normals (h, w, 3) float32 in the camera frame, facing the camera, of a depth map (h, w); NaN where undefined.
+    """Unit normals (h, w, 3) float32 in the camera frame, facing the camera, of a depth map (h, w); NaN where
+    undefined.
 
-    From central differences of the points; one-sided at the border, beside a gap, and where one side is more than twice as
-    long as the other, so that normals do not smear over an edge.
+    From central differences of the points; one-sided at the border, beside a gap, and where one side is more than twice
+    as long as the other, so that normals do not smear over an edge.
     """
     from ipcli.kernels import surface as kernels
     from ipcli.kernels import threads
@@ -23,13 +24,15 @@ def normals(depth: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
 
 
 def normals_of_slopes(depth: np.ndarray, slopes: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
-    """Unit normals (h, w, 3) float32 in the camera frame, facing the camera, of a depth map (h, w) whose slopes are known apart.
+    """Unit normals (h, w, 3) float32 in the camera frame, facing the camera, of a depth map (h, w) whose slopes are
+    known apart.
 
     slopes (2, h, w) are the derivatives of the depth along columns and rows, in units of depth per pixel.
     """
     directions, inverse = rays(depth.shape, intrinsics), np.linalg.inv(intrinsics)
     along_u, along_v = (
-        slope[..., None] * directions + depth[..., None] * inverse[:, axis] for axis, slope in enumerate(slopes.astype(np.float64))
+        slope[..., None] * directions + depth[..., None] * inverse[:, axis]
+        for axis, slope in enumerate(slopes.astype(np.float64))
     )
     n = np.cross(along_v, along_u)
     n /= np.linalg.norm(n, axis=-1, keepdims=True)
@@ -39,8 +42,8 @@ def normals_of_slopes(depth: np.ndarray, slopes: np.ndarray, intrinsics: np.ndar
 def triangulate(depth: np.ndarray, keep: np.ndarray, jump: float = 0.05) -> tuple[np.ndarray, np.ndarray]:
     """Triangles of the pixel grid over a depth map: pixel indices (n,) of the vertices and faces (m, 3) into them.
 
-    Vertices are the pixels of `keep` (h, w). A quad is left open where its depths differ by more than the share `jump`: an
-    occlusion boundary, not a surface. Faces turn counter-clockwise as seen from the camera.
+    Vertices are the pixels of `keep` (h, w). A quad is left open where its depths differ by more than the share `jump`:
+    an occlusion boundary, not a surface. Faces turn counter-clockwise as seen from the camera.
     """
     h, w = depth.shape
     pixels = np.flatnonzero(keep)

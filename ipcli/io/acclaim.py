@@ -1,8 +1,9 @@
-"""ASF skeletons and AMC motions (Acclaim; HDM05, CMU): latin-1 text, lengths in inches of a unit of the file, angles in its axes.
+"""ASF skeletons and AMC motions (Acclaim; HDM05, CMU): latin-1 text, lengths in inches of a unit of the file, angles in
+its axes.
 
-A bone hangs from the far end of its parent and is named for its own far end. With C the rotation of its `axis`, M that of its channels
-and `direction` d, both in the rest pose: Q = Q_parent C M C^T and p = p_parent + length Q d. Angles turn about fixed axes in the order
-of `axis`; channels come in the order of `dof`. At rest all Q are the identity.
+A bone hangs from the far end of its parent and is named for its own far end. With C the rotation of its `axis`, M that
+of its channels and `direction` d, both in the rest pose: Q = Q_parent C M C^T and p = p_parent + length Q d. Angles
+turn about fixed axes in the order of `axis`; channels come in the order of `dof`. At rest all Q are the identity.
 """
 
 from __future__ import annotations
@@ -55,8 +56,9 @@ class Asf:
 def read(amc: Path, asf: Asf | Path | None = None, *, rate: float | None = None, unit: float | None = None) -> Motion:
     """The motion of an AMC file on its skeleton (found beside it if not given).
 
-    The rate in Hz is the one given, else that of the file (`:samples-per-second`), else that of the name (HDM_bd_squat_001_120.amc).
-    `unit` is metres per unit of length, where the file's own is wrong. Frame numbers that are left out become frames of NaN.
+    The rate in Hz is the one given, else that of the file (`:samples-per-second`), else that of the name
+    (HDM_bd_squat_001_120.amc). `unit` is metres per unit of length, where the file's own is wrong. Frame numbers that
+    are left out become frames of NaN.
     """
     amc = Path(amc)
     skeleton = asf if isinstance(asf, Asf) else read_asf(asf or asf_of(amc))
@@ -68,13 +70,21 @@ def read(amc: Path, asf: Asf | Path | None = None, *, rate: float | None = None,
 
 
 def asf_of(amc: Path) -> Path:
-    """The skeleton of a motion: of the .asf files beside it the one whose name its name begins with, or the only one."""
-    there = sorted(path for path in amc.parent.iterdir() if path.suffix.lower() == ".asf") if amc.parent.is_dir() else []
-    fitting = [path for path in there if amc.stem.lower().startswith(path.stem.lower())] or (there if len(there) == 1 else [])
+    """The skeleton of a motion: of the .asf files beside it the one whose name its name begins with, or the
+    only one.
+    """
+    there = (
+        sorted(path for path in amc.parent.iterdir() if path.suffix.lower() == ".asf") if amc.parent.is_dir() else []
+    )
+    fitting = [path for path in there if amc.stem.lower().startswith(path.stem.lower())] or (
+        there if len(there) == 1 else []
+    )
     if not fitting:
         got = ", ".join(path.name for path in there) or "none"
         fix = "Put the ASF file of this actor into the folder, with a name that the name of the AMC begins with"
-        raise FormatError(amc, "a motion without its skeleton", expected=f"{amc.stem.split('_')[0]}*.asf beside it", got=got, fix=fix)
+        raise FormatError(
+            amc, "a motion without its skeleton", expected=f"{amc.stem.split('_')[0]}*.asf beside it", got=got, fix=fix
+        )
     return max(fitting, key=lambda path: len(path.stem))
 
 
@@ -122,7 +132,9 @@ def _sections(path: Path) -> dict[str, list[Line]]:
     for name in ("root", "bonedata", "hierarchy"):
         if not sections.get(name):
             fix = "Give an ASF file; if it is one, check that the copy is complete"
-            raise FormatError(path, f"no section :{name}, so no skeleton", expected=":root, :bonedata, :hierarchy", fix=fix)
+            raise FormatError(
+                path, f"no section :{name}, so no skeleton", expected=":root, :bonedata, :hierarchy", fix=fix
+            )
     return sections | {"units": sections.get("units", [])}
 
 
@@ -155,7 +167,9 @@ def _bone(path: Path, opened: int, facts: dict[str, Line]) -> Bone:
     (_, [name, *_]), (at, [length, *_]) = facts["name"], facts["length"]
     extent = _number(path, at, length)
     if extent < 0:
-        raise FormatError(path, f"line {at}: bone '{name}' has a negative length", expected=">= 0", got=extent, fix=DAMAGED)
+        raise FormatError(
+            path, f"line {at}: bone '{name}' has a negative length", expected=">= 0", got=extent, fix=DAMAGED
+        )
     number, words = facts["axis"]
     return Bone(
         name,
@@ -207,7 +221,9 @@ def _channel_names(path: Path, line: int, words: Sequence[str]) -> tuple[str, ..
     names = tuple(word.lower() for word in words)
     for name in names:
         if name not in CHANNELS or names.count(name) > 1:
-            raise FormatError(path, f"line {line}: channel '{name}'", expected=f"each once of {' '.join(CHANNELS)}", fix=DAMAGED)
+            raise FormatError(
+                path, f"line {line}: channel '{name}'", expected=f"each once of {' '.join(CHANNELS)}", fix=DAMAGED
+            )
     return names
 
 
@@ -224,7 +240,9 @@ def _amc_lines(path: Path, degrees: bool) -> tuple[list[Line], bool, float | Non
             rate = _number(path, number, words[1])
     if not lines or not lines[0][1][0].isdigit():
         fix = "Give the AMC file of the motion; an ASF file holds the skeleton only"
-        raise FormatError(path, "no frames, so no motion", expected="a line with the number of the first frame", fix=fix)
+        raise FormatError(
+            path, "no frames, so no motion", expected="a line with the number of the first frame", fix=fix
+        )
     return lines, degrees, rate
 
 
@@ -245,7 +263,10 @@ def _channels(path: Path, lines: list[Line], asf: Asf) -> tuple[np.ndarray, dict
     if (table[:, at] != np.array(names, object)).any():
         _complain(path, lines, names, wanted)
     try:
-        values = {name: table[:, i + 1 : i + width].astype(np.float64) for name, i, width in zip(names, at, columns, strict=True)}
+        values = {
+            name: table[:, i + 1 : i + width].astype(np.float64)
+            for name, i, width in zip(names, at, columns, strict=True)
+        }
     except ValueError:
         _complain(path, lines, names, wanted)
     return table[:, 0].astype(np.int64), values
@@ -258,7 +279,9 @@ def _check_first_frame(path: Path, lines: Sequence[Line], wanted: dict[str, int]
             raise FormatError(path, f"line {number}: unknown bone '{name}'{nearest(name, wanted)}", fix=fix)
         if len(values) != wanted[name]:
             fix = f"Check that {asf.path.name} is the skeleton of this motion, and that the copy is complete"
-            raise FormatError(path, f"line {number}: bone '{name}'", expected=f"{wanted[name]} values", got=len(values), fix=fix)
+            raise FormatError(
+                path, f"line {number}: bone '{name}'", expected=f"{wanted[name]} values", got=len(values), fix=fix
+            )
     given = {words[0] for _, words in lines}
     if missing := [name for name, count in wanted.items() if count and name not in given]:
         fix = f"Check that {asf.path.name} is the skeleton of this motion"
@@ -273,10 +296,14 @@ def _complain(path: Path, lines: list[Line], names: list[str], wanted: dict[str,
         if (name != due) if index % len(expected) else not (name.isdigit() and not values):
             raise FormatError(path, f"line {number}: '{name}' comes where {due} has to", fix=DAMAGED)
         if index % len(expected) and len(values) != wanted[name]:
-            raise FormatError(path, f"line {number}: bone '{name}'", expected=f"{wanted[name]} values", got=len(values), fix=DAMAGED)
+            raise FormatError(
+                path, f"line {number}: bone '{name}'", expected=f"{wanted[name]} values", got=len(values), fix=DAMAGED
+            )
         for word in values:
             _number(path, number, word)
-    raise FormatError(path, f"line {lines[-1][0]}: the file ends within a frame", expected=f"{len(names)} bones", fix=DAMAGED)
+    raise FormatError(
+        path, f"line {lines[-1][0]}: the file ends within a frame", expected=f"{len(names)} bones", fix=DAMAGED
+    )
 
 
 def _pose(asf: Asf, values: dict[str, np.ndarray], degrees: bool, scale: float) -> tuple[np.ndarray, np.ndarray]:
@@ -288,12 +315,18 @@ def _pose(asf: Asf, values: dict[str, np.ndarray], degrees: bool, scale: float) 
     translations = np.empty((frames, len(asf.bones), 3))
     for joint, bone in enumerate(asf.bones):
         channels = dict(zip(bone.channels, values.get(bone.name, np.empty((frames, 0))).T, strict=False))
-        angles, moved, stretch = (_columns(channels, names, frames) for names in ([f"r{a}" for a in bone.order], ["tx", "ty", "tz"], ["l"]))
-        frame = Rotation.from_euler(bone.order, [bone.axis["xyz".index(axis)] for axis in bone.order], degrees=asf.degrees).as_matrix()
+        angles, moved, stretch = (
+            _columns(channels, names, frames) for names in ([f"r{a}" for a in bone.order], ["tx", "ty", "tz"], ["l"])
+        )
+        frame = Rotation.from_euler(
+            bone.order, [bone.axis["xyz".index(axis)] for axis in bone.order], degrees=asf.degrees
+        ).as_matrix()
         turn = frame @ Rotation.from_euler(bone.order, angles, degrees=degrees).as_matrix()
         rotations[:, joint] = turn @ frame.T if joint else turn
         extent = (bone.length + stretch) * bone.direction if joint else np.array(asf.position)
-        translations[:, joint] = scale * ((rotations[:, joint] @ extent[..., None])[..., 0] + moved if joint else extent + moved)
+        translations[:, joint] = scale * (
+            (rotations[:, joint] @ extent[..., None])[..., 0] + moved if joint else extent + moved
+        )
     return forward_kinematics(asf.skeleton, rotations, translations)
 
 
@@ -306,7 +339,9 @@ def _with_gaps(path: Path, frames: np.ndarray, values: np.ndarray) -> np.ndarray
     steps = np.diff(frames)
     if (steps < 1).any():
         at = int(np.argmax(steps < 1)) + 1
-        raise FormatError(path, f"frame {frames[at]} comes after frame {frames[at - 1]}", expected="growing numbers", fix=DAMAGED)
+        raise FormatError(
+            path, f"frame {frames[at]} comes after frame {frames[at - 1]}", expected="growing numbers", fix=DAMAGED
+        )
     if (steps == 1).all():
         return values
     spread = np.full((frames[-1] - frames[0] + 1, *values.shape[1:]), np.nan)

@@ -33,7 +33,11 @@ def listing(path: Path) -> tuple[str, ...]:
     """Names of the files in an archive, or of those below a folder, sorted; none of anything else."""
     if is_archive(path):
         return _members(path, path.stat().st_mtime_ns)
-    return tuple(sorted(file.relative_to(path).as_posix() for file in path.rglob("*") if file.is_file())) if path.is_dir() else ()
+    return (
+        tuple(sorted(file.relative_to(path).as_posix() for file in path.rglob("*") if file.is_file()))
+        if path.is_dir()
+        else ()
+    )
 
 
 @cache
@@ -44,7 +48,9 @@ def _members(path: Path, changed: int) -> tuple[str, ...]:
 
 
 def unpacked(path: Path) -> Unpacked:
-    """A folder as it is, an archive unpacked. Raises FormatError for a damaged archive, or one that writes elsewhere."""
+    """A folder as it is, an archive unpacked. Raises FormatError for a damaged archive, or one that writes
+    elsewhere.
+    """
     if not is_archive(path):
         return Unpacked(path)
     keeper = TemporaryDirectory(prefix="ipcli-")

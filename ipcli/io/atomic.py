@@ -17,8 +17,9 @@ DAY = 86400.0  # seconds
 def replacing(path: Path, *, durable: bool = True) -> Iterator[Path]:
     """A private name in the folder of `path` (made if need be); what is written there replaces `path` at the end.
 
-    Unless `durable` the disk is not waited for: a kill still does no harm, but after a power cut the file may be damaged.
-    After an exception the temporary file is gone and `path` is as it was; after a kill `sweep` finds the orphan.
+    Unless `durable` the disk is not waited for: a kill still does no harm, but after a power cut the file may be
+    damaged. After an exception the temporary file is gone and `path` is as it was; after a kill `sweep` finds the
+    orphan.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)

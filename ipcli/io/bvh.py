@@ -1,8 +1,9 @@
 """BVH motions: any order of channels in any joint, position channels on any joint, end sites as joints of their own.
 
-The angles of a joint turn about its own axes in the order in which its channels are written: "Zrotation Xrotation Yrotation" is
-R = Rz Rx Ry, and another joint of the same file may do it otherwise. A joint stands at its OFFSET from its parent; position channels
-take the place of the OFFSET, as in Blender, axis by axis. An end site is the joint NAME_end. A prefix "mixamorig:" is taken off.
+The angles of a joint turn about its own axes in the order in which its channels are written: "Zrotation Xrotation
+Yrotation" is R = Rz Rx Ry, and another joint of the same file may do it otherwise. A joint stands at its OFFSET from
+its parent; position channels take the place of the OFFSET, as in Blender, axis by axis. An end site is the joint
+NAME_end. A prefix "mixamorig:" is taken off.
 """
 
 from __future__ import annotations
@@ -62,7 +63,8 @@ class Words:
 
 
 def read(path: Path, *, rate: float | None = None, unit: float | None = None) -> Motion:
-    """The motion of a BVH file. `unit` is metres a unit of length (default: centimetres), `rate` in Hz replaces the frame time.
+    """The motion of a BVH file. `unit` is metres a unit of length (default: centimetres), `rate` in Hz replaces the
+    frame time.
 
     Raises FormatError with the line of the first thing that is wrong.
     """
@@ -86,8 +88,15 @@ def _parts(path: Path) -> tuple[Words, list[str], int]:
         raise FormatError(path, "no such file", fix="Check the path") from None
     except OSError as error:
         raise FormatError(path, f"cannot be read: {error.strerror}", fix="Check the path") from None
-    end = next((index for index, line in enumerate(lines) if line.strip().lower().startswith("frame time")), len(lines) - 1) + 1
-    words = ((number, word) for number, line in enumerate(lines[:end], start=1) for word in line.replace(":", ": ").split())
+    end = (
+        next(
+            (index for index, line in enumerate(lines) if line.strip().lower().startswith("frame time")), len(lines) - 1
+        )
+        + 1
+    )
+    words = (
+        (number, word) for number, line in enumerate(lines[:end], start=1) for word in line.replace(":", ": ").split()
+    )
     return Words(path, words), lines[end:], end + 1
 
 

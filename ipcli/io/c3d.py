@@ -9,21 +9,28 @@ import numpy as np
 from ipcli.errors import FormatError, IpcliError
 from ipcli.geometry.skeleton import NO_PARENT, Motion, Skeleton, check
 
-PROCESSORS = {84: ("<", 3), 85: ("<", 1), 86: (">", 0)}  # Intel, DEC, SGI: order of bytes, and the byte of a float with its sign
+PROCESSORS = {
+    84: ("<", 3),
+    85: ("<", 1),
+    86: (">", 0),
+}  # Intel, DEC, SGI: order of bytes, and the byte of a float with its sign
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 COPY = "Check that the copy is complete, and that it is a C3D file"
 
 
 def read(path: Path, *, rate: float | None = None, unit: float | None = None) -> Motion:
-    """The markers of a C3D file. `unit` is metres a unit of length (default: as POINT:UNITS says), `rate` in Hz replaces its own.
+    """The markers of a C3D file. `unit` is metres a unit of length (default: as POINT:UNITS says), `rate` in Hz
+    replaces its own.
 
-    A marker that was lost (negative residual, or exactly at 0 0 0) is NaN. Raises IpcliError without the extra, FormatError for a
-    file that is damaged, has no markers, or has none with a name.
+    A marker that was lost (negative residual, or exactly at 0 0 0) is NaN. Raises IpcliError without the extra,
+    FormatError for a file that is damaged, has no markers, or has none with a name.
     """
     try:
         import ezc3d
     except ImportError:
-        raise IpcliError(f"{path}: C3D files need the package ezc3d. Install it with pip install 'ipcli[c3d]'") from None
+        raise IpcliError(
+            f"{path}: C3D files need the package ezc3d. Install it with pip install 'ipcli[c3d]'"
+        ) from None
     if not path.is_file():
         raise FormatError(path, "no such file", fix="Check the path")
     _check_size(path)
@@ -35,8 +42,12 @@ def read(path: Path, *, rate: float | None = None, unit: float | None = None) ->
     points = content["data"]["points"]  # (4, markers, frames)
     labels = _labels(about)[: points.shape[1]]
     if not labels:
-        raise FormatError(path, "no markers in it (analog channels or rotations only)", fix="Export the trajectories of the markers")
-    positions = np.moveaxis(points[:3, : len(labels)], -1, 0).swapaxes(1, 2) * (_unit(path, about) if unit is None else unit)
+        raise FormatError(
+            path, "no markers in it (analog channels or rotations only)", fix="Export the trajectories of the markers"
+        )
+    positions = np.moveaxis(points[:3, : len(labels)], -1, 0).swapaxes(1, 2) * (
+        _unit(path, about) if unit is None else unit
+    )
     residuals = content["data"]["meta_points"]["residuals"]  # (1, markers, frames)
     lost = (positions == 0).all(axis=-1) | (residuals[0, : len(labels)].T < 0)
     positions[lost] = np.nan

@@ -22,12 +22,16 @@ def read(path: Path) -> View:
     except tomllib.TOMLDecodeError as error:
         raise FormatError(path, f"not TOML: {error}", fix=EXAMPLE) from None
     if wrong := sorted(given.keys() ^ KEYS.keys()):
-        raise FormatError(path, f"'{wrong[0]}' is {'not a key of a camera' if wrong[0] in given else 'missing'}", fix=EXAMPLE)
+        raise FormatError(
+            path, f"'{wrong[0]}' is {'not a key of a camera' if wrong[0] in given else 'missing'}", fix=EXAMPLE
+        )
     for key, type_ in KEYS.items():
         if not isinstance(given[key], type_):
             raise FormatError(path, f"{key} has the wrong type", expected=type_.__name__, got=given[key], fix=EXAMPLE)
     if min(given["width"], given["height"]) < 2:
-        raise FormatError(path, "the image has no size", expected="width, height >= 2", got=(given["width"], given["height"]))
+        raise FormatError(
+            path, "the image has no size", expected="width, height >= 2", got=(given["width"], given["height"])
+        )
     pose, values = (_numbers(path, given, key, count) for key, count in (("cam_from_world", 16), ("intrinsics", 4)))
     nothing = np.full((given["height"], given["width"]), np.nan, np.float32)
     return check(View(path.stem, nothing, camera_matrix(values), pose.reshape(4, 4)), path)
@@ -39,5 +43,7 @@ def _numbers(path: Path, given: dict, key: str, count: int) -> np.ndarray:
     except (TypeError, ValueError):
         raise FormatError(path, f"{key} holds something else than numbers", got=given[key], fix=EXAMPLE) from None
     if values.size != count:
-        raise FormatError(path, f"{key} has the wrong length", expected=f"{count} numbers", got=values.size, fix=EXAMPLE)
+        raise FormatError(
+            path, f"{key} has the wrong length", expected=f"{count} numbers", got=values.size, fix=EXAMPLE
+        )
     return values

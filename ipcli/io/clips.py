@@ -28,8 +28,8 @@ class Layout:
 def open_clips(path: Path, format: str = "auto", **hints: Any) -> Clips:
     """The clips at `path`. `format` is a key of LAYOUTS or "auto"; hints that are None count as not given.
 
-    Raises FormatError when no layout fits (listing what was looked for), ParameterError for an unknown format or a hint that the
-    layout has no use for.
+    Raises FormatError when no layout fits (listing what was looked for), ParameterError for an unknown format or a hint
+    that the layout has no use for.
     """
     path = Path(path)
     if not path.exists():
@@ -55,7 +55,9 @@ def of_arrays(arrays: Mapping[str, np.ndarray], where: Path | str = "clips") -> 
     ends = np.cumsum(arrays["frames"])
     if len(ends) and ends[-1] != len(arrays["positions"]):
         fix = "Make the artefact again"
-        raise FormatError(where, "the frames of the clips do not add up", expected=len(arrays["positions"]), got=ends[-1], fix=fix)
+        raise FormatError(
+            where, "the frames of the clips do not add up", expected=len(arrays["positions"]), got=ends[-1], fix=fix
+        )
     skeleton = Skeleton(tuple(map(str, arrays["joints"])), tuple(map(int, arrays["parents"])))
     names, labels, actors = (tuple(map(str, arrays[field])) for field in ("clips", "labels", "actors"))
 
@@ -90,7 +92,10 @@ def artefact(clips: Iterable[Clip], splits: Mapping[str, np.ndarray]) -> dict[st
     if all(motion.rotations is not None for motion in motions):
         arrays["rotations"] = np.concatenate([quaternions(motion.rotations) for motion in motions])
     if any(clip.frame_labels is not None for clip in clips):
-        whole = (np.full(len(clip.motion.positions), clip.label) if clip.frame_labels is None else clip.frame_labels for clip in clips)
+        whole = (
+            np.full(len(clip.motion.positions), clip.label) if clip.frame_labels is None else clip.frame_labels
+            for clip in clips
+        )
         arrays["frame_labels"] = np.concatenate(list(whole)).astype(np.str_)
     if splits:
         arrays |= {"split_names": np.array(list(splits), np.str_), "splits": np.array(list(splits.values()), np.int8)}
@@ -111,7 +116,15 @@ def _layout(path: Path, format: str) -> Layout:
 
 LAYOUTS = {  # in the order in which they are tried: the more particular first
     "clips": Layout(lambda path: path.suffix in (".h5", ".hdf5"), open_artefact, "an HDF5 clips artefact"),
-    "florence3d": Layout(kinect.is_florence, kinect.open_florence, "a folder with skeletal_data.mat and action_names.mat"),
-    "utkinect": Layout(kinect.is_utkinect, kinect.open_utkinect, "a folder or archive with joints_s01_e01.txt and actionLabel.txt"),
-    "files": Layout(recordings.is_recordings, recordings.open_recordings, f"{', '.join(recordings.READERS)} files, alone or in a folder"),
+    "florence3d": Layout(
+        kinect.is_florence, kinect.open_florence, "a folder with skeletal_data.mat and action_names.mat"
+    ),
+    "utkinect": Layout(
+        kinect.is_utkinect, kinect.open_utkinect, "a folder or archive with joints_s01_e01.txt and actionLabel.txt"
+    ),
+    "files": Layout(
+        recordings.is_recordings,
+        recordings.open_recordings,
+        f"{', '.join(recordings.READERS)} files, alone or in a folder",
+    ),
 }

@@ -1,7 +1,8 @@
 """HDF5 artefacts of the registered kinds. A file is trusted in nothing: marks, names, sizes, checksums, dtypes, values.
 
-The 1.8 file layout is used because it checksums its metadata, so that a damaged file is refused and not misread. Text is of
-fixed length: the heap of variable lengths has no checksum, and a flipped byte there can send HDF5 into an endless loop.
+The 1.8 file layout is used because it checksums its metadata, so that a damaged file is refused and not misread. Text
+is of fixed length: the heap of variable lengths has no checksum, and a flipped byte there can send HDF5 into an endless
+loop.
 """
 
 from __future__ import annotations
@@ -179,7 +180,9 @@ def _one_line(error: BaseException) -> str:
 def _identified(path: Path, file: Any) -> schema.Kind:
     """The kind that the marks of a complete file name, of a version that is known."""
     if "ipcli_kind" not in file.attrs or "ipcli_version" not in file.attrs:
-        raise FormatError(path, "an HDF5 file, but not an artefact of ipcli", fix="Only files written by ipcli can be read")
+        raise FormatError(
+            path, "an HDF5 file, but not an artefact of ipcli", fix="Only files written by ipcli can be read"
+        )
     if "ipcli_complete" not in file.attrs or _attribute(file, "ipcli_complete") != 1:
         raise FormatError(path, "incomplete artefact", fix=FIX)
     kind, version = schema.kind(str(_attribute(file, "ipcli_kind"))), int(_attribute(file, "ipcli_version"))

@@ -1,7 +1,7 @@
 """Depth maps and colour images. Depth is read from 16-bit PNG and TIFF, float TIFF, PFM, NPY and NPZ.
 
-Stored value = scale * depth: 5000 for TUM, 1000 for millimetres read as metres, 256 for KITTI disparities. The decoders behind
-OpenCV return the upper part of a cut PNG or JPEG without a word, so both are checked before they are decoded.
+Stored value = scale * depth: 5000 for TUM, 1000 for millimetres read as metres, 256 for KITTI disparities. The decoders
+behind OpenCV return the upper part of a cut PNG or JPEG without a word, so both are checked before they are decoded.
 """
 
 from __future__ import annotations
@@ -23,15 +23,17 @@ DEPTH_SUFFIXES = (".png", ".pfm", ".tif", ".tiff", ".npy", ".npz")
 def read_depth(path: Path, scale: float | None = None) -> np.ndarray:
     """Depth (h, w) float32 in the unit of the scene, NaN where missing (stored 0, NaN, or 65535 of 16 bits).
 
-    16-bit files need `scale`; floats are taken as they are when it is None. FormatError for an unreadable file, an unknown
-    scale, or negative or infinite depth, with the count and the first pixel.
+    16-bit files need `scale`; floats are taken as they are when it is None. FormatError for an unreadable file, an
+    unknown scale, or negative or infinite depth, with the count and the first pixel.
     """
     stored = _stored(Path(path))
     if stored.ndim != 2 or not stored.size:
         raise FormatError(path, "not one depth map", expected="shape (h, w)", got=stored.shape)
     if stored.dtype == np.uint16:
         if scale is None:
-            raise FormatError(path, "16-bit depth of unknown scale", fix="Give the depth scale: stored value = scale * depth")
+            raise FormatError(
+                path, "16-bit depth of unknown scale", fix="Give the depth scale: stored value = scale * depth"
+            )
         missing = (stored == 0) | (stored == SATURATED)
     elif stored.dtype.kind == "f":
         missing = (stored == 0) | np.isnan(stored)
@@ -48,7 +50,9 @@ def _refuse(path: Path, stored: np.ndarray, what: str, bad: np.ndarray) -> None:
     if bad.any():
         row, column = (int(index) for index in np.argwhere(bad)[0])
         first = f"{int(bad.sum())} pixels, the first {stored[row, column]} at row {row}, column {column}"
-        raise FormatError(path, what, expected="depth > 0, 0 or NaN where missing", got=first, fix="Mark missing depth as NaN")
+        raise FormatError(
+            path, what, expected="depth > 0, 0 or NaN where missing", got=first, fix="Mark missing depth as NaN"
+        )
 
 
 def _stored(path: Path) -> np.ndarray:
@@ -57,7 +61,9 @@ def _stored(path: Path) -> np.ndarray:
     if suffix == ".npz":
         arrays = npz.read(path)
         if len(arrays) != 1:
-            raise FormatError(path, "not one depth map", expected="a single array", got=f"{len(arrays)}: {', '.join(arrays)}")
+            raise FormatError(
+                path, "not one depth map", expected="a single array", got=f"{len(arrays)}: {', '.join(arrays)}"
+            )
         return next(iter(arrays.values()))
     data = _bytes(path)
     if suffix == ".npy":
@@ -152,7 +158,9 @@ def encode_png(array: np.ndarray) -> bytes:
 
     array = np.asarray(array)
     if array.dtype not in (np.uint8, np.uint16) or not (array.ndim == 2 or array.shape[2:] == (3,)) or not array.size:
-        raise IpcliError(f"PNG: expected (h, w) or (h, w, 3) of uint8 or uint16, got {array.dtype} of shape {array.shape}")
+        raise IpcliError(
+            f"PNG: expected (h, w) or (h, w, 3) of uint8 or uint16, got {array.dtype} of shape {array.shape}"
+        )
     done, data = cv2.imencode(".png", array if array.ndim == 2 else np.ascontiguousarray(array[..., ::-1]))
     if not done:
         raise IpcliError(f"PNG: the encoder refused an image of shape {array.shape}")
@@ -167,7 +175,8 @@ def write_png(path: Path, array: np.ndarray) -> None:
 def write_depth_png16(path: Path, depth: np.ndarray, scale: float) -> None:
     """Write depth (h, w) as rounded scale * depth, 0 where NaN.
 
-    FormatError when a depth would not fit: above 65534, since 65535 means missing, or so small that it would be rounded to 0.
+    FormatError when a depth would not fit: above 65534, since 65535 means missing, or so small that it would be rounded
+    to 0.
     """
     with np.errstate(over="ignore"):
         stored = np.rint(np.asarray(depth, np.float64) * scale)
@@ -175,5 +184,7 @@ def write_depth_png16(path: Path, depth: np.ndarray, scale: float) -> None:
     outside = known & ~((stored >= 1) & (stored < SATURATED))
     if outside.any():
         got = f"{np.nanmin(stored):g} to {np.nanmax(stored):g}, {int(outside.sum())} pixels outside"
-        raise FormatError(path, "depth does not fit 16 bits", expected=f"1 to {SATURATED - 1}", got=got, fix="Choose another scale")
+        raise FormatError(
+            path, "depth does not fit 16 bits", expected=f"1 to {SATURATED - 1}", got=got, fix="Choose another scale"
+        )
     write_png(path, np.where(known, stored, 0).astype(np.uint16))

@@ -1,7 +1,8 @@
-"""Skeletons of the first Kinect: Florence 3D Actions and UTKinect-Action in the release of Vemulapalli et al. 2014, with their splits.
+"""Skeletons of the first Kinect: Florence 3D Actions and UTKinect-Action in the release of Vemulapalli et al. 2014,
+with their splits.
 
-Both have positions only, in metres, of the sensor's frame turned so that y is up and right-handed. Splits are the ten published ones,
-half of the actors against the other half.
+Both have positions only, in metres, of the sensor's frame turned so that y is up and right-handed. Splits are the ten
+published ones, half of the actors against the other half.
 """
 
 from __future__ import annotations
@@ -22,7 +23,17 @@ NUMBERING_RATE = 30.0  # Hz, of the frame numbers of UTKinect
 DAMAGED = "Check that the copy is complete"
 
 FLORENCE = Skeleton(
-    ("head", "neck", "spine", "left_shoulder", "left_elbow", "left_wrist", "right_shoulder", "right_elbow", "right_wrist")
+    (
+        "head",
+        "neck",
+        "spine",
+        "left_shoulder",
+        "left_elbow",
+        "left_wrist",
+        "right_shoulder",
+        "right_elbow",
+        "right_wrist",
+    )
     + ("left_hip", "left_knee", "left_ankle", "right_hip", "right_knee", "right_ankle"),
     (1, 2, -1, 1, 3, 4, 1, 6, 7, 2, 9, 10, 2, 12, 13),
 )
@@ -53,7 +64,9 @@ def open_florence(path: Path) -> Clips:
         index = names.index(name)
         positions = recordings[index]["original_skeletal_data"]
         if positions.ndim != 3 or positions.shape[:2] != (3, len(FLORENCE.joints)):
-            raise FormatError(source, f"clip {name} has the wrong shape", expected="(3, 15, frames)", got=positions.shape, fix=DAMAGED)
+            raise FormatError(
+                source, f"clip {name} has the wrong shape", expected="(3, 15, frames)", got=positions.shape, fix=DAMAGED
+            )
         upright = np.moveaxis(positions, -1, 0)[:, [0, 2, 1]]  # their x, depth, up is left-handed
         motion = Motion(FLORENCE, _seen(np.swapaxes(upright, 1, 2)), FLORENCE_RATE)
         return Clip(name, check(motion, f"{source}: clip {name}"), actions[labels[index] - 1], f"{subjects[index]:02d}")
@@ -69,14 +82,20 @@ def is_utkinect(path: Path) -> bool:
 
 
 def open_utkinect(path: Path) -> Clips:
-    """The 199 clips of UTKinect-Action: joints/joints_sXX_eYY.txt cut by actionLabel_modified.txt, or else by actionLabel.txt.
+    """The 199 clips of UTKinect-Action: joints/joints_sXX_eYY.txt cut by actionLabel_modified.txt, or else by
+    actionLabel.txt.
 
-    Rows whose frame number was there before are left out. Rows are taken as equally far apart in time, which they are but for the
-    frames in which the sensor found nobody.
+    Rows whose frame number was there before are left out. Rows are taken as equally far apart in time, which they are
+    but for the frames in which the sensor found nobody.
     """
     home = unpacked(path)
     folder = home.folder / (_place(home.folder, "joints_s01_e01.txt") or "")
-    cuts = _cuts(next((file for file in (folder / "actionLabel_modified.txt", folder / "actionLabel.txt") if file.is_file()), folder))
+    cuts = _cuts(
+        next(
+            (file for file in (folder / "actionLabel_modified.txt", folder / "actionLabel.txt") if file.is_file()),
+            folder,
+        )
+    )
     names = tuple(cuts)
     tables: dict[str, np.ndarray] = {}
 
@@ -126,7 +145,9 @@ def _cuts(path: Path) -> dict[str, tuple[str, str, int, int]]:
         if [word.lower() for word in words] == ["nan", "nan"]:
             continue
         if not take or len(words) != 2 or not all(word.isdigit() for word in words):
-            raise FormatError(path, f"line {line}: '{text}'", expected="a take, then lines `action: first last`", fix=DAMAGED)
+            raise FormatError(
+                path, f"line {line}: '{text}'", expected="a take, then lines `action: first last`", fix=DAMAGED
+            )
         cuts[f"{take}_{label.strip()}"] = (take, label.strip(), int(words[0]), int(words[1]))
     return cuts
 
@@ -138,7 +159,13 @@ def _table(path: Path) -> np.ndarray:
     except (OSError, ValueError) as error:
         raise FormatError(path, f"not a table of numbers: {' '.join(str(error).split())}", fix=DAMAGED) from None
     if table.shape[1] != 1 + 3 * len(KINECT.joints):
-        raise FormatError(path, "rows of the wrong length", expected="a frame number and 60 coordinates", got=table.shape[1], fix=DAMAGED)
+        raise FormatError(
+            path,
+            "rows of the wrong length",
+            expected="a frame number and 60 coordinates",
+            got=table.shape[1],
+            fix=DAMAGED,
+        )
     return table[np.unique(table[:, 0], return_index=True)[1]]
 
 
@@ -155,7 +182,10 @@ def _splits(path: Path, subjects: Sequence[int]) -> dict[str, np.ndarray]:
         return {}
     train, test = _load(path, "tr_subjects"), _load(path, "te_subjects")
     who = np.asarray(subjects)
-    rows = (np.where(np.isin(who, tr), TRAIN, np.where(np.isin(who, te), TEST, 0)) for tr, te in zip(train, test, strict=True))
+    rows = (
+        np.where(np.isin(who, tr), TRAIN, np.where(np.isin(who, te), TEST, 0))
+        for tr, te in zip(train, test, strict=True)
+    )
     return {f"{index:02d}": row.astype(np.int8) for index, row in enumerate(rows, start=1)}
 
 
@@ -170,7 +200,9 @@ def _load(path: Path, variable: str) -> np.ndarray:
         raise FormatError(path, f"not a readable MATLAB file: {' '.join(str(error).split())}", fix=DAMAGED) from None
     if variable not in content:
         named = [name for name in content if not name.startswith("__")]
-        raise FormatError(path, f"no variable '{variable}'{nearest(variable, named)}", fix="Check that it is the right file")
+        raise FormatError(
+            path, f"no variable '{variable}'{nearest(variable, named)}", fix="Check that it is the right file"
+        )
     return content[variable]
 
 

@@ -1,4 +1,6 @@
-"""Triangle meshes of any origin, PLY or OBJ: what others wrote, with lost counts and odd faces. Our own go through io.ply."""
+"""Triangle meshes of any origin, PLY or OBJ: what others wrote, with lost counts and odd faces. Our own go through
+io.ply.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +16,14 @@ SUFFIXES = (".ply", ".obj")
 def read(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Vertices (n, 3) float64 and triangles (m, 3) int64 as they are in the file; several objects as one.
 
-    Raises FormatError for another suffix, a file that cannot be parsed, one without faces, and vertices that are not finite.
+    Raises FormatError for another suffix, a file that cannot be parsed, one without faces, and vertices that are not
+    finite.
     """
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
-        raise FormatError(path, "not a mesh", expected=" or ".join(SUFFIXES), got=path.suffix or "no suffix", fix="Convert it")
+        raise FormatError(
+            path, "not a mesh", expected=" or ".join(SUFFIXES), got=path.suffix or "no suffix", fix="Convert it"
+        )
     vertices, faces = _parsed(path)
     if not len(faces):
         raise FormatError(path, "holds no triangles", fix="Give a mesh, not a cloud of points")
@@ -34,7 +39,9 @@ def _parsed(path: Path) -> tuple[np.ndarray, np.ndarray]:
         mesh = trimesh.load(path, process=False, force="mesh", skip_materials=True)
         vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
     except Exception as error:  # trimesh lets out whatever its parsers stumble over
-        raise FormatError(path, f"cannot be read ({type(error).__name__}: {error})", fix="Check that the file is whole") from error
+        raise FormatError(
+            path, f"cannot be read ({type(error).__name__}: {error})", fix="Check that the file is whole"
+        ) from error
     if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
         raise FormatError(path, "a face names a vertex that is not there", fix="Check that the file is whole")
     return vertices, faces

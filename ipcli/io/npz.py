@@ -33,7 +33,9 @@ def read(path: Path) -> dict[str, np.ndarray]:
         with zipfile.ZipFile(path) as archive:
             return {name.removesuffix(".npy"): _array(archive.read(name)) for name in archive.namelist()}
     except (OSError, ValueError, EOFError, RuntimeError, NotImplementedError, zipfile.BadZipFile, MemoryError) as error:
-        raise FormatError(path, f"not a readable NPZ file: {error}", fix="Make it again with numeric arrays only") from error
+        raise FormatError(
+            path, f"not a readable NPZ file: {error}", fix="Make it again with numeric arrays only"
+        ) from error
 
 
 def _array(data: bytes) -> np.ndarray:

@@ -1,5 +1,6 @@
-"""PLY meshes and clouds with named extra properties. Own code, because the libraries drop or merge attributes, and some read
-a truncated mesh as an empty one. Written: binary little-endian. Read: that and ASCII, triangles only, every count checked.
+"""PLY meshes and clouds with named extra properties. Own code, because the libraries drop or merge attributes, and some
+read a truncated mesh as an empty one. Written: binary little-endian. Read: that and ASCII, triangles only, every count
+checked.
 """
 
 from __future__ import annotations
@@ -16,8 +17,26 @@ from ipcli.errors import FormatError, IpcliError
 from ipcli.io import atomic
 
 POSITION, NORMAL, COLOUR = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")
-TYPES = {"char": "i1", "uchar": "u1", "short": "<i2", "ushort": "<u2", "int": "<i4", "uint": "<u4", "float": "<f4", "double": "<f8"}
-ALIASES = {"int8": "i1", "uint8": "u1", "int16": "<i2", "uint16": "<u2", "int32": "<i4", "uint32": "<u4", "float32": "<f4", "float64": "<f8"}
+TYPES = {
+    "char": "i1",
+    "uchar": "u1",
+    "short": "<i2",
+    "ushort": "<u2",
+    "int": "<i4",
+    "uint": "<u4",
+    "float": "<f4",
+    "double": "<f8",
+}
+ALIASES = {
+    "int8": "i1",
+    "uint8": "u1",
+    "int16": "<i2",
+    "uint16": "<u2",
+    "int32": "<i4",
+    "uint32": "<u4",
+    "float32": "<f4",
+    "float64": "<f8",
+}
 NAMES = {np.dtype(code): name for name, code in TYPES.items()}
 FORMATS = ("binary_little_endian", "ascii")
 END = b"end_header\n"
@@ -107,7 +126,10 @@ def _packed(path: Path, faces: np.ndarray, count: int) -> np.ndarray:
 
 def _header_text(path: Path, table: np.ndarray, triangles: np.ndarray | None, comments: Sequence[str]) -> bytes:
     lines = ["ply", "format binary_little_endian 1.0", *(f"comment {text}" for text in comments)]
-    lines += [f"element vertex {len(table)}", *(f"property {NAMES[table.dtype[name]]} {name}" for name in table.dtype.names)]
+    lines += [
+        f"element vertex {len(table)}",
+        *(f"property {NAMES[table.dtype[name]]} {name}" for name in table.dtype.names),
+    ]
     if triangles is not None:
         lines += [f"element face {len(triangles)}", "property list uchar int vertex_indices"]
     if any("\n" in line or not line.isascii() for line in lines):
@@ -121,15 +143,17 @@ def header(path: Path) -> Header:
 
 
 def read(path: Path) -> Ply:
-    """The cloud or mesh at `path`. FormatError unless the file is of exactly the size that its header declares, faces are
-    triangles of existing vertices, and vertices have x, y, z.
+    """The cloud or mesh at `path`. FormatError unless the file is of exactly the size that its header declares, faces
+    are triangles of existing vertices, and vertices have x, y, z.
     """
     data = _bytes(path)
     declared = _header(path, data)
     vertex_count, vertex_properties = declared.elements.get("vertex", (0, ()))
     names = [name for name, _ in vertex_properties]
     if not set(POSITION) <= set(names) or len(set(names)) != len(names):
-        raise FormatError(path, "no usable vertices", expected="properties x, y, z, none twice", got=", ".join(names) or "none")
+        raise FormatError(
+            path, "no usable vertices", expected="properties x, y, z, none twice", got=", ".join(names) or "none"
+        )
     try:
         tables = _ascii(path, data, declared) if declared.format == "ascii" else _binary(path, data, declared)
     except (ValueError, OverflowError, MemoryError) as error:
@@ -165,7 +189,9 @@ def _header(path: Path, data: bytes) -> Header:
             case [] | ["obj_info", *_]:
                 continue
             case _:
-                raise FormatError(path, f"header line not understood: {' '.join(words)}", fix="Save it as little-endian or ASCII PLY")
+                raise FormatError(
+                    path, f"header line not understood: {' '.join(words)}", fix="Save it as little-endian or ASCII PLY"
+                )
     if not form:
         raise FormatError(path, "the header names no format", expected=" or ".join(FORMATS))
     return Header(form, elements, tuple(comments), end + len(END))
@@ -192,7 +218,9 @@ def _dtypes(path: Path, declared: Header) -> dict[str, np.dtype]:
             counter, index = properties[0][1]
             dtypes[element] = np.dtype([("count", counter), ("corners", index, 3)])
         else:
-            raise FormatError(path, "faces with several properties", expected="the vertex indices only", got=len(properties))
+            raise FormatError(
+                path, "faces with several properties", expected="the vertex indices only", got=len(properties)
+            )
     return dtypes
 
 
@@ -200,7 +228,9 @@ def _binary(path: Path, data: bytes, declared: Header) -> dict[str, np.ndarray]:
     dtypes = _dtypes(path, declared)
     expected = declared.size + sum(declared.elements[element][0] * dtype.itemsize for element, dtype in dtypes.items())
     if len(data) != expected:
-        raise FormatError(path, "truncated, too long, or not all triangles", expected=f"{expected} bytes", got=len(data))
+        raise FormatError(
+            path, "truncated, too long, or not all triangles", expected=f"{expected} bytes", got=len(data)
+        )
     tables, offset = {}, declared.size
     for element, dtype in dtypes.items():
         tables[element] = np.frombuffer(data, dtype, declared.elements[element][0], offset)
@@ -230,7 +260,9 @@ def _flat_codes(dtype: np.dtype) -> list[np.dtype]:
     return [part.base for part in parts for _ in range(int(np.prod(part.shape)))]
 
 
-def _assembled(path: Path, table: np.ndarray, triangles: np.ndarray | None, count: int, comments: tuple[str, ...]) -> Ply:
+def _assembled(
+    path: Path, table: np.ndarray, triangles: np.ndarray | None, count: int, comments: tuple[str, ...]
+) -> Ply:
     names = table.dtype.names
     faces = None
     if triangles is not None:
@@ -240,7 +272,9 @@ def _assembled(path: Path, table: np.ndarray, triangles: np.ndarray | None, coun
         if faces.size and (faces.min() < 0 or faces.max() >= count):
             raise FormatError(path, "faces of missing vertices", expected=f"indices below {count}", got=faces.max())
         faces = faces.astype(np.int32)
-    groups = {group: _stacked(table, group) if set(group) <= set(names) else None for group in (POSITION, NORMAL, COLOUR)}
+    groups = {
+        group: _stacked(table, group) if set(group) <= set(names) else None for group in (POSITION, NORMAL, COLOUR)
+    }
     used = {name for group, values in groups.items() if values is not None for name in group}
     extra = {name: np.ascontiguousarray(table[name]) for name in names if name not in used}
     return Ply(groups[POSITION], faces, groups[NORMAL], groups[COLOUR], extra, comments)

@@ -1,8 +1,8 @@
 """A folder, an archive or a single file of motions as Clips, labelled by a manifest, by HDM05 names or by folders.
 
-A manifest is manifest.csv in the folder (or given): columns path, label, actor, and optionally start, stop (frames, the last not
-included), name, split (train or test). Without one, names like HDM_bd_squat1Reps_001_120.amc say all; else files lie in LABEL/ or
-LABEL/ACTOR/. Top folders train/ and test/ become a split.
+A manifest is manifest.csv in the folder (or given): columns path, label, actor, and optionally start, stop (frames, the
+last not included), name, split (train or test). Without one, names like HDM_bd_squat1Reps_001_120.amc say all; else
+files lie in LABEL/ or LABEL/ACTOR/. Top folders train/ and test/ become a split.
 """
 
 from __future__ import annotations
@@ -57,7 +57,9 @@ class Reading:
 
 
 def is_recordings(path: Path) -> bool:
-    """Whether it is a motion file, or a folder or archive with one in it (or with a skeleton, to say what is missing)."""
+    """Whether it is a motion file, or a folder or archive with one in it (or with a skeleton, to say what is
+    missing).
+    """
     return any(_is_motion(file) or file.suffix.lower() == ".asf" for file in (path, *map(Path, listing(path))))
 
 
@@ -66,9 +68,15 @@ def _is_motion(file: Path) -> bool:
 
 
 def open_recordings(
-    path: Path, *, manifest: Path | None = None, unit: str | None = None, source_rate: float | None = None, up: str = "y"
+    path: Path,
+    *,
+    manifest: Path | None = None,
+    unit: str | None = None,
+    source_rate: float | None = None,
+    up: str = "y",
 ) -> Clips:
-    """The motion files at `path`. `unit` is a name of UNITS or metres as a number; `up` the axis that points up in the files.
+    """The motion files at `path`. `unit` is a name of UNITS or metres as a number; `up` the axis that points up in the
+    files.
 
     Raises FormatError for a file that is damaged or of another skeleton than the first, ParameterError for hints.
     """
@@ -97,7 +105,13 @@ def open_recordings(
 def _read(recording: Recording, reading: Reading, skeletons: dict[Path, acclaim.Asf]) -> Motion:
     path, suffix = recording.path, recording.path.suffix.lower()
     if suffix not in READERS:
-        raise FormatError(path, "not a motion file", expected=", ".join(READERS), got=suffix or "no suffix", fix="Correct the manifest")
+        raise FormatError(
+            path,
+            "not a motion file",
+            expected=", ".join(READERS),
+            got=suffix or "no suffix",
+            fix="Correct the manifest",
+        )
     hints = {"rate": reading.rate, "unit": reading.unit}
     if suffix == ".amc":
         asf = acclaim.asf_of(path)
@@ -122,7 +136,13 @@ def _sized(motion: Motion, path: Path) -> Motion:
     size = float((np.nanmax(whole, axis=0) - np.nanmin(whole, axis=0)).max())
     if seen.sum(axis=1).max() > 2 and not SMALLEST <= size <= LARGEST:
         fix = f"Give the unit of length of the files with --unit ({', '.join(UNITS)}, or metres as a number)"
-        raise FormatError(path, "a body of this size is no person's", expected=f"{SMALLEST} to {LARGEST} m", got=f"{size:.3g} m", fix=fix)
+        raise FormatError(
+            path,
+            "a body of this size is no person's",
+            expected=f"{SMALLEST} to {LARGEST} m",
+            got=f"{size:.3g} m",
+            fix=fix,
+        )
     return motion
 
 
@@ -131,7 +151,9 @@ def _same(first: Skeleton, other: Skeleton, path: Path, first_path: Path) -> Non
         return
     odd = sorted(set(first.joints) ^ set(other.joints))
     what = f"joint '{odd[0]}' is only in one of them" if odd else "the joints hang together differently"
-    raise FormatError(path, f"another skeleton than {first_path.name}: {what}", fix="Import the files of each skeleton on their own")
+    raise FormatError(
+        path, f"another skeleton than {first_path.name}: {what}", fix="Import the files of each skeleton on their own"
+    )
 
 
 def _cut(motion: Motion, recording: Recording) -> Motion:
@@ -142,7 +164,9 @@ def _cut(motion: Motion, recording: Recording) -> Motion:
     if not len(positions):
         got = f"{recording.start} to {recording.stop} of {len(motion.positions)}"
         raise FormatError(recording.path, "no frames between start and stop", got=got, fix="Correct the manifest")
-    return replace(motion, positions=positions, rotations=None if motion.rotations is None else motion.rotations[frames])
+    return replace(
+        motion, positions=positions, rotations=None if motion.rotations is None else motion.rotations[frames]
+    )
 
 
 def _unit(unit: str | None) -> float | None:
@@ -208,14 +232,20 @@ def _of_manifest(manifest: Path, folder: Path) -> list[Recording]:
 
 
 def _of_row(manifest: Path, line: int, row: dict[str, str], folder: Path) -> Recording:
-    row = {str(key).strip(): (value or "").strip() for key, value in row.items() if key is not None and not isinstance(value, list)}
+    row = {
+        str(key).strip(): (value or "").strip()
+        for key, value in row.items()
+        if key is not None and not isinstance(value, list)
+    }
     path = folder / row["path"]
     if not path.is_file():
         fix = "Correct the path; it is relative to the folder"
         raise FormatError(manifest, f"line {line}: no file '{row['path']}' in {folder.name}", fix=fix)
     split = row.get("split", "")
     if split not in ("", "train", "test"):
-        raise FormatError(manifest, f"line {line}: split '{split}'", expected="train, test or nothing", fix="Correct the line")
+        raise FormatError(
+            manifest, f"line {line}: split '{split}'", expected="train, test or nothing", fix="Correct the line"
+        )
     start, stop = (_frame(manifest, line, row.get(key, "")) for key in ("start", "stop"))
     name = row.get("name") or path.stem + ("" if start is None else f"_{start}")
     return Recording(name, path, row.get("label", ""), row.get("actor", ""), start, stop, split)
@@ -223,7 +253,9 @@ def _of_row(manifest: Path, line: int, row: dict[str, str], folder: Path) -> Rec
 
 def _frame(manifest: Path, line: int, text: str) -> int | None:
     if text and not text.isdigit():
-        raise FormatError(manifest, f"line {line}: '{text}' is not a frame", expected="a number from 0", fix="Correct the line")
+        raise FormatError(
+            manifest, f"line {line}: '{text}' is not a frame", expected="a number from 0", fix="Correct the line"
+        )
     return int(text) if text else None
 
 

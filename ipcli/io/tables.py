@@ -1,8 +1,9 @@
 """Plain tables of joint positions: NPZ arrays, and CSV with a column a coordinate.
 
-NPZ: `positions` (f, j, 3), `joints` (j,) names, `rate` Hz; optionally `parents` (j,) indices with -1 for none, `rotations`
-(f, j, 3, 3) or quaternions (f, j, 4) x, y, z, w. CSV: a header `time,hips.x,hips.y,hips.z,...` with seconds, or `frame,...`; an empty
-cell is a joint that was not seen. What hangs from what stands in skeleton.csv beside it: joint,parent a line, no parent of a root.
+NPZ: `positions` (f, j, 3), `joints` (j,) names, `rate` Hz; optionally `parents` (j,) indices with -1 for none,
+`rotations` (f, j, 3, 3) or quaternions (f, j, 4) x, y, z, w. CSV: a header `time,hips.x,hips.y,hips.z,...` with
+seconds, or `frame,...`; an empty cell is a joint that was not seen. What hangs from what stands in skeleton.csv beside
+it: joint,parent a line, no parent of a root.
 """
 
 from __future__ import annotations
@@ -39,7 +40,9 @@ def read_npz(path: Path, *, rate: float | None = None, unit: float | None = None
 
 
 def read_csv(path: Path, *, rate: float | None = None, unit: float | None = None) -> Motion:
-    """The motion of a CSV file. `unit` is metres a unit of length (default: metres); `rate` in Hz where there are no times."""
+    """The motion of a CSV file. `unit` is metres a unit of length (default: metres); `rate` in Hz where there are no
+    times.
+    """
     rows = list(csv.reader(read_text(path).splitlines()))
     header = [cell.strip() for cell in rows[0]] if rows else []
     timed = header[:1] in (["time"], ["frame"])
@@ -47,8 +50,12 @@ def read_csv(path: Path, *, rate: float | None = None, unit: float | None = None
     joints = tuple(dict.fromkeys(name.rpartition(".")[0] for name in columns))
     if not joints or [f"{joint}.{axis}" for joint in joints for axis in "xyz"] != columns:
         expected = "time,NAME.x,NAME.y,NAME.z,..."
-        raise FormatError(path, "line 1: not the header of a motion", expected=expected, got=",".join(header[:4]), fix="Add it")
-    table = np.array([_row(path, line, row, len(header)) for line, row in enumerate(rows[1:], start=2) if row]).reshape(-1, len(header))
+        raise FormatError(
+            path, "line 1: not the header of a motion", expected=expected, got=",".join(header[:4]), fix="Add it"
+        )
+    table = np.array([_row(path, line, row, len(header)) for line, row in enumerate(rows[1:], start=2) if row]).reshape(
+        -1, len(header)
+    )
     if header[0] == "time" and rate is None:
         rate = _rate(path, table[:, 0])
     positions = table[:, int(timed) :].reshape(len(table), len(joints), 3) * (1.0 if unit is None else unit)
@@ -62,7 +69,9 @@ def _arrays(path: Path) -> dict[str, np.ndarray]:
     except FileNotFoundError:
         raise FormatError(path, "no such file", fix="Check the path") from None
     except Exception as error:  # numpy and zipfile raise anything on a damaged file
-        raise FormatError(path, f"not a readable NPZ file: {' '.join(str(error).split())}", fix="Check the copy") from None
+        raise FormatError(
+            path, f"not a readable NPZ file: {' '.join(str(error).split())}", fix="Check the copy"
+        ) from None
 
 
 def _numeric(path: Path, name: str, array: np.ndarray) -> np.ndarray:
@@ -80,11 +89,15 @@ def _rotations(path: Path, arrays: dict[str, np.ndarray], shape: tuple[int, ...]
 
 def _row(path: Path, line: int, row: Sequence[str], length: int) -> list[float]:
     if len(row) != length:
-        raise FormatError(path, f"line {line}: {len(row)} cells", expected=length, fix="Leave cells of unseen joints empty")
+        raise FormatError(
+            path, f"line {line}: {len(row)} cells", expected=length, fix="Leave cells of unseen joints empty"
+        )
     try:
         return [float(cell) if cell.strip() else np.nan for cell in row]
     except ValueError as error:
-        raise FormatError(path, f"line {line}: {error}", fix="Write numbers, or nothing where a joint is not seen") from None
+        raise FormatError(
+            path, f"line {line}: {error}", fix="Write numbers, or nothing where a joint is not seen"
+        ) from None
 
 
 def _rate(path: Path, times: np.ndarray) -> float | None:
@@ -110,6 +123,10 @@ def _skeleton(path: Path, joints: tuple[str, ...]) -> Skeleton:
             continue
         for name in cells[:2]:
             if name and name not in joints:
-                raise FormatError(path, f"line {line}: no joint '{name}' in the tables beside it", fix="Correct the name")
+                raise FormatError(
+                    path, f"line {line}: no joint '{name}' in the tables beside it", fix="Correct the name"
+                )
         parent_of[cells[0]] = cells[1]
-    return Skeleton(joints, tuple(joints.index(parent_of[name]) if parent_of.get(name) else NO_PARENT for name in joints))
+    return Skeleton(
+        joints, tuple(joints.index(parent_of[name]) if parent_of.get(name) else NO_PARENT for name in joints)
+    )

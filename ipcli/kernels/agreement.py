@@ -1,21 +1,37 @@
 """What one fused depth map says about the points of another."""
 
-from numba import njit
 import numpy as np
+from numba import njit
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def ask(sums, votes, depth, normals, rays, motion, seen, facing, noise, confidence, observations, seen_rays, intrinsics, limits):
+def ask(
+    sums,
+    votes,
+    depth,
+    normals,
+    rays,
+    motion,
+    seen,
+    facing,
+    noise,
+    confidence,
+    observations,
+    seen_rays,
+    intrinsics,
+    limits,
+):
     """Count what another map says about the point of every pixel, and add up where it sees those that it confirms.
 
-    Of the map: sums (h, w, 5) float64, to which position times precision (3), precision and confidence are added; votes (h, w, 2),
-    in which those that confirm and those that look through are counted; depth (h, w), NaN where there is no point, and normals
-    (h, w, 3); rays (3, 3) takes (column, row, 1) to the viewing ray with z = 1; motion (4, 4) goes to the other camera.
-    Of the other: depth seen (H, W), normals facing (H, W, 3), noise of an observation, confidence, observations, rays, intrinsics.
+    Of the map: sums (h, w, 5) float64, to which position times precision (3), precision and confidence are added; votes
+    (h, w, 2), in which those that confirm and those that look through are counted; depth (h, w), NaN where there is no
+    point, and normals (h, w, 3); rays (3, 3) takes (column, row, 1) to the viewing ray with z = 1; motion (4, 4) goes
+    to the other camera. Of the other: depth seen (H, W), normals facing (H, W, 3), noise of an observation, confidence,
+    observations, rays, intrinsics.
 
-    limits (tolerance, relative, cosine, grazing): both agree within so many noises or that share of the depth, if the cosine
-    between their normals is not less. The other's surface is a plane at each pixel, so that rounding to pixels costs no depth on
-    slanted walls, unless the cosine between its normal and the ray is below grazing.
+    limits (tolerance, relative, cosine, grazing): both agree within so many noises or that share of the depth, if the
+    cosine between their normals is not less. The other's surface is a plane at each pixel, so that rounding to pixels
+    costs no depth on slanted walls, unless the cosine between its normal and the ray is below grazing.
     """
     tolerance, relative, cosine, grazing = limits
     for i in range(depth.shape[0]):
@@ -39,7 +55,11 @@ def ask(sums, votes, depth, normals, rays, motion, seen, facing, noise, confiden
             at = np.float64(seen[row, column])
             if not at > 0:
                 continue
-            nx, ny, nz = np.float64(facing[row, column, 0]), np.float64(facing[row, column, 1]), np.float64(facing[row, column, 2])
+            nx, ny, nz = (
+                np.float64(facing[row, column, 0]),
+                np.float64(facing[row, column, 1]),
+                np.float64(facing[row, column, 2]),
+            )
             along, there = nx * rx + ny * ry + nz, at
             if abs(along) > grazing * np.sqrt(rx * rx + ry * ry + 1):
                 sx = seen_rays[0, 0] * column + seen_rays[0, 1] * row + seen_rays[0, 2]

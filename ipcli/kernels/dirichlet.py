@@ -1,21 +1,24 @@
-"""Collapsed Gibbs sampling and split-merge moves for a Dirichlet process mixture of Gaussians with a Normal-Wishart base.
+"""Collapsed Gibbs sampling and split-merge moves for a Dirichlet process mixture of Gaussians with a Normal-Wishart
+base.
 
-The base measure is S ~ Wishart(beta, psi^-1), mu | S ~ N(xi, (rho S)^-1); means and precisions are integrated out. Clusters stand
-side by side along the last axis of every array, so that all of them are asked about a point in one vector loop. Slot 0 is
-the empty cluster, whose predictive is that of the base measure; slots 1, 2, ... hold the clusters 0, 1, ... of the labels.
+The base measure is S ~ Wishart(beta, psi^-1), mu | S ~ N(xi, (rho S)^-1); means and precisions are integrated out.
+Clusters stand side by side along the last axis of every array, so that all of them are asked about a point in one
+vector loop. Slot 0 is the empty cluster, whose predictive is that of the base measure; slots 1, 2, ... hold the
+clusters 0, 1, ... of the labels.
 """
 
-from collections import namedtuple
 import math
+from collections import namedtuple
 
-from numba import njit
 import numpy as np
+from numba import njit
 
 LANES = 4  # slots are asked about a point in whole vectors of so many
 WEAK = 1e-10  # share of a pivot that must remain when a point is taken out, or else its cluster is built anew
 PRIOR = 0
 
-# mean (d, slots); psi = L D L' by L (d, d, slots), unit lower, and inverse (d, slots), 1 / D; work (d, slots); the others (slots,)
+# mean (d, slots); psi = L D L' by L (d, d, slots), unit lower, and inverse (d, slots), 1 / D; work (d, slots); the
+# others (slots,)
 Clusters = namedtuple("Clusters", "count mean lower inverse logdet constant exponent ratio work score")
 # xi (d,), chol (d, d) of psi; by the number of points in a cluster, predictive (n + 2,) and marginal (n + 2,)
 Base = namedtuple("Base", "xi rho beta chol predictive marginal")
@@ -25,14 +28,16 @@ Base = namedtuple("Base", "xi rho beta chol predictive marginal")
 def _base(xi, rho, beta, chol, alpha, n):
     """The base measure with its tables, by the number m of points in a cluster.
 
-    predictive[m]: log of the weight (m, or alpha if empty) times the constant of the t density; marginal[m]: log density of
-    m points together without the powers of |psi|.
+    predictive[m]: log of the weight (m, or alpha if empty) times the constant of the t density; marginal[m]: log
+    density of m points together without the powers of |psi|.
     """
     d = xi.shape[0]
     predictive, marginal = np.empty(n + 2), np.zeros(n + 2)
     for m in range(n + 2):
         r, b = rho + m, beta + m
-        constant = math.lgamma(0.5 * (b + 1)) - math.lgamma(0.5 * (b + 1 - d)) - 0.5 * d * math.log(math.pi * (r + 1) / r)
+        constant = (
+            math.lgamma(0.5 * (b + 1)) - math.lgamma(0.5 * (b + 1 - d)) - 0.5 * d * math.log(math.pi * (r + 1) / r)
+        )
         predictive[m] = math.log(m if m > 0 else alpha) + constant
         if m < n + 1:
             marginal[m + 1] = marginal[m] + constant
@@ -43,9 +48,17 @@ def _base(xi, rho, beta, chol, alpha, n):
 def _allocate(d, slots):
     slots = (slots + LANES - 1) // LANES * LANES
     return Clusters(
-        np.zeros(slots, np.int64), np.zeros((d, slots)), np.zeros((d, d, slots)), np.ones((d, slots)), np.zeros(slots),
-        np.full(slots, -np.inf), np.zeros(slots), np.ones(slots), np.zeros((d, slots)), np.zeros(slots),
-    )  # fmt: skip
+        np.zeros(slots, np.int64),
+        np.zeros((d, slots)),
+        np.zeros((d, d, slots)),
+        np.ones((d, slots)),
+        np.zeros(slots),
+        np.full(slots, -np.inf),
+        np.zeros(slots),
+        np.ones(slots),
+        np.zeros((d, slots)),
+        np.zeros(slots),
+    )
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -85,7 +98,9 @@ def _open(clusters, k, base):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _update(clusters, k, v, a):
-    """L D L' + a v v' in slot k (method C1 of Gill, Golub, Murray and Saunders 1974); v is spent. False if that is not safe."""
+    """L D L' + a v v' in slot k (method C1 of Gill, Golub, Murray and Saunders 1974); v is spent. False if that is not
+    safe.
+    """
     d, growth = v.shape[0], 1.0
     lower, inverse = clusters.lower, clusters.inverse
     for j in range(d):
@@ -162,8 +177,9 @@ def _squares(clusters, slots, x):
 def _ask(clusters, slots, x, own, base):
     """Set score[k], log weight times predictive density of x (d,) given the others in the slot, and give the greatest.
 
-    `own` is the slot that holds x itself, 0 if none does. It need not be taken out: with m others, r = rho + m and q the square
-    against all of the slot, |psi of the others| = |psi| (1 - q (r + 1) / r), and the t density follows from the two.
+    `own` is the slot that holds x itself, 0 if none does. It need not be taken out: with m others, r = rho + m and q
+    the square against all of the slot, |psi of the others| = |psi| (1 - q (r + 1) / r), and the t density follows from
+    the two.
     """
     slots, score = (slots + LANES - 1) // LANES * LANES, clusters.score
     _squares(clusters, slots, x)
@@ -232,7 +248,9 @@ def _leave(clusters, slot, x, z, i, base, v):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def sweep(x, z, k, xi, rho, beta, chol, alpha, rng):
-    """One scan of Neal's Algorithm 3 over the points x (n, d): labels z (n,) of k clusters, in place; (the new k, points moved)."""
+    """One scan of Neal's Algorithm 3 over the points x (n, d): labels z (n,) of k clusters, in place; (the new k,
+    points moved).
+    """
     n, d = x.shape
     base = _base(xi, rho, beta, chol, alpha, n)
     clusters, slots, v, moved = _gather(x, z, base, k), k + 1, np.empty(d), 0
@@ -314,10 +332,11 @@ def _rescan(pair, x, members, side, target, base, v, rng):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _propose(x, i, j, members, target, base, scans, rng):
-    """(sides, log probability) of a split of the members between the seeds i and j, drawn, or towards `target` if that holds any.
+    """(sides, log probability) of a split of the members between the seeds i and j, drawn, or towards `target` if that
+    holds any.
 
-    The launch state is dealt out one by one (as Dahl 2005), in random order, before its restricted scans: it depends on the seeds
-    and the members alone, so that the probability of the proposal is that of the last scan.
+    The launch state is dealt out one by one (as Dahl 2005), in random order, before its restricted scans: it depends on
+    the seeds and the members alone, so that the probability of the proposal is that of the last scan.
     """
     pair, v = _allocate(x.shape[1], 3), np.empty(x.shape[1])
     for slot in range(1, 3):

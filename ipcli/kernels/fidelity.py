@@ -1,13 +1,13 @@
 """Data terms of the fusion of K observations a pixel.
 
-The observations are kept sorted in a stack (h, K, w) float32: the K planes of a row lie side by side, so that a row is one
-stretch of memory and every loop over its columns is a vector loop. Missing observations stand last, as +inf. `weights` has
-the same layout and is 0 where an observation is missing; None stands for 1 everywhere else. `total` (h, w) is the sum of the
-weights of a pixel and `scale` (h, w) its confidence times lambda.
+The observations are kept sorted in a stack (h, K, w) float32: the K planes of a row lie side by side, so that a row is
+one stretch of memory and every loop over its columns is a vector loop. Missing observations stand last, as +inf.
+`weights` has the same layout and is 0 where an observation is missing; None stands for 1 everywhere else. `total` (h,
+w) is the sum of the weights of a pixel and `scale` (h, w) its confidence times lambda.
 """
 
-from numba import njit
 import numpy as np
+from numba import njit
 
 TWO = np.float32(2)
 ZERO = np.float32(0)
@@ -65,14 +65,18 @@ def _huber_root(d, weights, n, scale, width, stiffness, centre, tilt, low, high)
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def prox_huber(x, x_bar, y, stack, weights, total, count, scale, width, tau, rho):
-    """Proximal map of tau scale sum_k w_k huber(x - d_k) at y; huber is r^2 / (2 width) within the width, |r| - width / 2 outside."""
+    """Proximal map of tau scale sum_k w_k huber(x - d_k) at y; huber is r^2 / (2 width) within the width, |r| - width /
+    2 outside.
+    """
     h, k, w = stack.shape
     for i in range(h):
         for j in range(w):
             centre, s = np.float64(y[i, j]), np.float64(scale[i, j])
             reach = tau * s * total[i, j]
             d, wm = stack[i, :, j], None if weights is None else weights[i, :, j]
-            root = _huber_root(d, wm, int(count[i, j]), s, width, 1.0 / tau, centre, 0.0, centre - reach, centre + reach)
+            root = _huber_root(
+                d, wm, int(count[i, j]), s, width, 1.0 / tau, centre, 0.0, centre - reach, centre + reach
+            )
             x_bar[i, j] = root
         _relax(x[i], x_bar[i], rho)
 
@@ -149,7 +153,9 @@ def lowest_huber_rows(tilt, stack, weights, count, scale, width, low, high):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def sort_stack(stack):
-    """Sort a stack (h, K, w) at every pixel, ascending, in place; NaN and infinity, no observation, come last as +inf."""
+    """Sort a stack (h, K, w) at every pixel, ascending, in place; NaN and infinity, no observation, come last
+    as +inf.
+    """
     h, k, w = stack.shape
     for i in range(h):
         for m in range(k):
@@ -168,7 +174,9 @@ def sort_stack(stack):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def sort_weighted_stack(stack, weights):
-    """As `sort_stack`, with the weights (h, K, w) carried along; where one is not above 0 there is no observation, and it becomes 0."""
+    """As `sort_stack`, with the weights (h, K, w) carried along; where one is not above 0 there is no observation, and
+    it becomes 0.
+    """
     h, k, w = stack.shape
     for i in range(h):
         for m in range(k):

@@ -1,19 +1,21 @@
 """The primal-dual iteration of second-order TGV; first-order TV is the same with the slope field held at zero.
 
-Planes are (h, w) float32. x is the image; v (2, h, w) its slope field, along columns and along rows; p (2, h, w) the dual of
-grad x - v; q (3, h, w) the dual (q11, q22, q12) of the symmetrised gradient E v. `_bar` marks the extrapolation 2 new - old,
-rho the over-relaxation. Forward differences in grad, backward ones in E, the mixed entry halved and counted twice in the
-norm. A difference that would leave the image does not exist: p1 is zero in the last column, p2 in the last row, q11 in the
-first column, q22 in the first row, q12 in both. Affine images therefore cost nothing, up to the border.
+Planes are (h, w) float32. x is the image; v (2, h, w) its slope field, along columns and along rows; p (2, h, w) the
+dual of grad x - v; q (3, h, w) the dual (q11, q22, q12) of the symmetrised gradient E v. `_bar` marks the extrapolation
+2 new - old, rho the over-relaxation. Forward differences in grad, backward ones in E, the mixed entry halved and
+counted twice in the norm. A difference that would leave the image does not exist: p1 is zero in the last column, p2 in
+the last row, q11 in the first column, q22 in the first row, q12 in both. Affine images therefore cost nothing, up to
+the border.
 
-The two half steps take any proximal map between them. With absolute deviations, `sweep_l1` does several whole iterations in
-one pass over the rows, so that most of them find their rows in the cache. Observations are laid out as in `fidelity`.
+The two half steps take any proximal map between them. With absolute deviations, `sweep_l1` does several whole
+iterations in one pass over the rows, so that most of them find their rows in the cache. Observations are laid out as in
+`fidelity`.
 
 Threads call these kernels on blocks of rows (`ipcli.kernels.threads`); none of them starts threads of its own.
 """
 
-from numba import njit
 import numpy as np
+from numba import njit
 
 HALF = np.float32(0.5)
 ONE = np.float32(1)
@@ -197,8 +199,9 @@ def _relax(x, x_bar, rho):
 def prox_l1(x, x_bar, y, stack, weights, total, scale, tau, rho):
     """Proximal map of tau scale sum_k w_k |x - d_k| at y, exact.
 
-    With slopes s_m = total - 2 (w_(1) + ... + w_(m)), start from y + t s_0 and take x = min(x, max(d_(m), y + t s_m)) for
-    m = 1..K (the median formula of Li and Osher, 2009, in the order of the sorted data). Missing data change nothing.
+    With slopes s_m = total - 2 (w_(1) + ... + w_(m)), start from y + t s_0 and take x = min(x, max(d_(m), y + t s_m))
+    for m = 1..K (the median formula of Li and Osher, 2009, in the order of the sorted data). Missing data change
+    nothing.
     """
     room = _room(x.shape[1])
     for i in range(x.shape[0]):
@@ -209,8 +212,8 @@ def prox_l1(x, x_bar, y, stack, weights, total, scale, tau, rho):
 def sweep_l1(x, v, p, q, stack, weights, total, scale, steps, alpha1, alpha0, rhos):
     """One iteration for each of the relaxations rhos (n,), all in one pass over the rows, in place.
 
-    What a row becomes in an iteration depends on its neighbours after the one before. So iteration m can follow two rows
-    behind iteration m - 1, and overwrite what that one no longer needs. steps = (tau, tau_v, sigma).
+    What a row becomes in an iteration depends on its neighbours after the one before. So iteration m can follow two
+    rows behind iteration m - 1, and overwrite what that one no longer needs. steps = (tau, tau_v, sigma).
     """
     h, w = x.shape
     n = rhos.shape[0]
@@ -226,4 +229,6 @@ def sweep_l1(x, v, p, q, stack, weights, total, scale, steps, alpha1, alpha0, rh
             if 0 < i <= h:
                 here, below, above = i - 1, min(i, h - 1), max(i - 2, 0)
                 v1, v2, v1_above, v2_above = vs[0, here % 3], vs[1, here % 3], vs[0, above % 3], vs[1, above % 3]
-                _ascend_row(here, p, q, xs[here % 2], xs[below % 2], v1, v2, v1_above, v2_above, sigma, alpha1, alpha0, rho)
+                _ascend_row(
+                    here, p, q, xs[here % 2], xs[below % 2], v1, v2, v1_above, v2_above, sigma, alpha1, alpha0, rho
+                )

@@ -1,12 +1,14 @@
 """Sufficient statistics of labelled points."""
 
-from numba import njit
 import numpy as np
+from numba import njit
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def statistics(x, z, k):
-    """Count (k,), mean (k, d) and scatter (k, d, d) of the points x (n, d) of each label; all 0 for a label without points."""
+    """Count (k,), mean (k, d) and scatter (k, d, d) of the points x (n, d) of each label; all 0 for a label without
+    points.
+    """
     n, d = x.shape
     count, mean, scatter = np.zeros(k), np.zeros((k, d)), np.zeros((k, d, d))
     for p in range(n):

@@ -1,16 +1,17 @@
 """Forward projection of a depth map into another camera, nearest pixel, nearest surface wins."""
 
-from numba import njit
 import numpy as np
+from numba import njit
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def splat(target, source, depth, rays, rotation, translation, intrinsics):
     """Z-buffer every valid pixel of `depth` into `target` (h, w) float32, which starts as +inf.
 
-    source (h, w) receives the flat index of the pixel of `depth` that won. depth (H, W) float32, NaN or <= 0 where there is
-    none: such a pixel is never projected. rays (3, 3) takes (column, row, 1) to the viewing ray with z = 1; rotation (3, 3)
-    and translation (3,) go from the source camera to the target camera; intrinsics (3, 3) are the target's.
+    source (h, w) receives the flat index of the pixel of `depth` that won. depth (H, W) float32, NaN or <= 0 where
+    there is none: such a pixel is never projected. rays (3, 3) takes (column, row, 1) to the viewing ray with z = 1;
+    rotation (3, 3) and translation (3,) go from the source camera to the target camera; intrinsics (3, 3) are the
+    target's.
     """
     rows, columns = target.shape
     to_target = intrinsics @ rotation @ rays
@@ -33,15 +34,28 @@ def splat(target, source, depth, rays, rotation, translation, intrinsics):
                 source[row, column] = i * depth.shape[1] + j
 
 
-
 @njit(cache=True, error_model="numpy", nogil=True)
-def look_up(observed, source, depth, facing, seen, inverse_intrinsics, motion, intrinsics, inverse, reach, grazing, largest_shift):
+def look_up(
+    observed,
+    source,
+    depth,
+    facing,
+    seen,
+    inverse_intrinsics,
+    motion,
+    intrinsics,
+    inverse,
+    reach,
+    grazing,
+    largest_shift,
+):
     """Write what a view says of the depth of each pixel of a map, +inf where nothing, and the flat index of its pixel.
 
-    observed (h, w) float32 and source (h, w); depth (h, w) and facing (h, w, 3), the map and its normals; seen (H, W), the
-    depth map of the view; inverse_intrinsics (3, 3) of the map's camera and of the view's (2, 3, 3) stacked; motion (4, 4)
-    from the map's camera to the view; intrinsics (3, 3) of the view; inverse, whether inverse depth is what is compared;
-    reach, the largest difference in that quantity; grazing and largest_shift, when the tangent plane is not believed.
+    observed (h, w) float32 and source (h, w); depth (h, w) and facing (h, w, 3), the map and its normals; seen (H, W),
+    the depth map of the view; inverse_intrinsics (3, 3) of the map's camera and of the view's (2, 3, 3) stacked; motion
+    (4, 4) from the map's camera to the view; intrinsics (3, 3) of the view; inverse, whether inverse depth is what is
+    compared; reach, the largest difference in that quantity; grazing and largest_shift, when the tangent plane is not
+    believed.
     """
     of_map, of_view = inverse_intrinsics[0], inverse_intrinsics[1]
     turn = np.ascontiguousarray(motion[:3, :3]) @ np.ascontiguousarray(of_map)

@@ -1,15 +1,18 @@
 """Log density of a mixture of multivariate t densities at many points.
 
-log and exp are spelt out here, so that they run in the vector loops over the points: half of the time went into them one by one.
+log and exp are spelt out here, so that they run in the vector loops over the points: half of the time went into them
+one by one.
 """
 
-from numba import njit
 import numpy as np
+from numba import njit
 
 LANES = 128  # points that are asked together
 LN2_HIGH, LN2_LOW = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # their sum is log 2 to 1e-26
 LOG2_E = 1.4426950408889634
-ROUND = 6755399441055744.0  # 1.5 * 2^52: a small number added to it is rounded to an integer, which stands in its low bits
+ROUND = (
+    6755399441055744.0  # 1.5 * 2^52: a small number added to it is rounded to an integer, which stands in its low bits
+)
 ROUND_BITS = 0x4338000000000000
 ROOT_HALF_BITS = 0x3FE6A09E667F3BCD
 FLOOR = -700.0  # exp of less is taken to be exp of this, 1e-304
@@ -18,7 +21,9 @@ CEILING = 1e300
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _exp(x, scratch):
-    """exp of all elements, at most 0, in place: 2^e times the Taylor series of the rest, to 2 units in the last place."""
+    """exp of all elements, at most 0, in place: 2^e times the Taylor series of the rest, to 2 units in the
+    last place.
+    """
     bits, new = scratch.view(np.int64), x.view(np.int64)
     for p in range(LANES):
         x[p] = x[p] if x[p] > FLOOR else FLOOR
@@ -36,7 +41,9 @@ def _exp(x, scratch):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _log(x, scratch):
-    """log of all elements, normal numbers, in place: e log 2 plus the series of log((1 + s) / (1 - s)), to 2 units in the last place."""
+    """log of all elements, normal numbers, in place: e log 2 plus the series of log((1 + s) / (1 - s)), to 2 units in
+    the last place.
+    """
     bits, exponent = x.view(np.int64), scratch.view(np.int64)
     for p in range(LANES):
         e = (bits[p] - ROOT_HALF_BITS) >> 52  # so that what is left lies in [sqrt(1/2), sqrt(2))
@@ -53,7 +60,9 @@ def _log(x, scratch):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _squares(block, shift, inverse, work, out):
-    """out (LANES,): 1 + |inverse x - shift|^2, at most CEILING, for a block (d, LANES) of points; `inverse` lower triangular."""
+    """out (LANES,): 1 + |inverse x - shift|^2, at most CEILING, for a block (d, LANES) of points; `inverse` lower
+    triangular.
+    """
     for p in range(LANES):
         out[p] = 1.0
     for j in range(block.shape[0]):
@@ -72,7 +81,9 @@ def _squares(block, shift, inverse, work, out):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _log_sum(block, constant, exponent, shift, inverse, score, work):
-    """log sum_m exp(constant_m) (1 + |inverse_m x - shift_m|^2)^(-exponent_m) of a block: (LANES,); score (m, LANES) is scratch."""
+    """log sum_m exp(constant_m) (1 + |inverse_m x - shift_m|^2)^(-exponent_m) of a block: (LANES,); score (m, LANES) is
+    scratch.
+    """
     m = constant.shape[0]
     greatest, total = np.full(LANES, -np.inf), np.zeros(LANES)
     for c in range(m):
@@ -95,7 +106,9 @@ def _log_sum(block, constant, exponent, shift, inverse, score, work):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def log_mixture(x, constant, exponent, shift, inverse):
-    """log sum_m exp(constant_m) (1 + |inverse_m x - shift_m|^2)^(-exponent_m) at the points x (n, d): (n,); NaN where x is not finite."""
+    """log sum_m exp(constant_m) (1 + |inverse_m x - shift_m|^2)^(-exponent_m) at the points x (n, d): (n,); NaN where x
+    is not finite.
+    """
     n, d = x.shape
     result = np.empty(n)
     block, score, work = np.zeros((d, LANES)), np.empty((constant.shape[0], LANES)), np.empty(LANES)

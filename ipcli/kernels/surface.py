@@ -1,7 +1,7 @@
 """Normals of the surface that a depth map is."""
 
-from numba import njit
 import numpy as np
+from numba import njit
 
 
 @njit(cache=True, error_model="numpy")
@@ -36,7 +36,9 @@ def _tangent(before, here, after):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def normals(out, depth, inverse, top, bottom):
-    """Rows top to bottom of the unit normals (h, w, 3) that face the camera, of a depth map (h, w) and inverse intrinsics (3, 3)."""
+    """Rows top to bottom of the unit normals (h, w, 3) that face the camera, of a depth map (h, w) and inverse
+    intrinsics (3, 3).
+    """
     for i in range(top, bottom):
         for j in range(depth.shape[1]):
             here = _point(depth, i, j, inverse)

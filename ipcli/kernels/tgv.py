@@ -1,7 +1,7 @@
 """Value and dual residual of second-order TGV; planes and differences as in `iteration`."""
 
-from numba import njit
 import numpy as np
+from numba import njit
 
 HALF = np.float32(0.5)
 ZERO = np.float32(0)
@@ -32,7 +32,9 @@ def value_rows(x, v, alpha1, alpha0):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def dual_residual_rows(minus_div_p, p, q, steepest):
-    """Write -div p (h, w) and return steepest (h, w) times |p - E^T q|, both components, summed over each row: (h,) float64."""
+    """Write -div p (h, w) and return steepest (h, w) times |p - E^T q|, both components, summed over each row: (h,)
+    float64.
+    """
     h, w = minus_div_p.shape
     nothing = np.zeros(w, np.float32)
     rows = np.zeros(h)

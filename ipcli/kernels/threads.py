@@ -1,16 +1,16 @@
 """Blocks of image rows on threads. Kernels release the interpreter lock, so plain threads run them side by side.
 
-A parallel loop of numba would meet at a barrier in every kernel, some thousand times a second; on a machine that does other
-work too, each such meeting can cost a time slice. Blocks that run on their own for a while meet seldom.
+A parallel loop of numba would meet at a barrier in every kernel, some thousand times a second; on a machine that does
+other work too, each such meeting can cost a time slice. Blocks that run on their own for a while meet seldom.
 """
 
 from __future__ import annotations
 
+import os
+import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-import os
-import threading
 from typing import TypeVar
 
 Item = TypeVar("Item")

@@ -86,7 +86,10 @@ def _ause(arrays: Mapping[str, np.ndarray]) -> list[Markup]:
     if "ause" not in arrays:
         return []
     own, angle = (number(float(arrays[name]), 2) for name in ("ause", "ause_angle"))
-    words = f"Area between the first two curves, over all observed pixels and in mean errors: {own}; by the angle of view (4.35): {angle}."
+    words = (
+        f"Area between the first two curves, over all observed pixels and in mean errors: {own}; by the angle of view "
+        f"(4.35): {angle}."
+    )
     return [element("p", words, class_="lead")]
 
 

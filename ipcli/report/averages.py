@@ -8,9 +8,10 @@ import numpy as np
 
 
 def over_scenes(values: np.ndarray, columns: Sequence[str], *, arithmetic: bool = False) -> np.ndarray:
-    """Means over the first axis of measures (s, ..., c): geometric for errors, as in the thesis' tables 4.2 and 4.3, so that no
-    scene counts for more because its errors are larger; arithmetic for percentages, which may be 0, or, as in tables 4.4 and 4.5,
-    for all. NaN if any is."""
+    """Means over the first axis of measures (s, ..., c): geometric for errors, as in the thesis' tables 4.2 and 4.3, so
+    that no scene counts for more because its errors are larger; arithmetic for percentages, which may be 0, or, as in
+    tables 4.4 and 4.5, for all. NaN if any is.
+    """
     percentages = np.array([arithmetic or "%" in str(column) for column in columns])
     with np.errstate(divide="ignore", invalid="ignore"):
         geometric = np.exp(np.log(values).mean(axis=0))

@@ -22,7 +22,9 @@ UNKNOWN = "unlabelled"
 
 
 def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = pictures.WIDEST) -> str:
-    """The HTML page of a "clips" artefact, the same bytes for the same artefact; its drawings have no pixels to limit."""
+    """The HTML page of a "clips" artefact, the same bytes for the same artefact; its drawings have no pixels
+    to limit.
+    """
     from ipcli.io.clips import of_arrays
 
     clips = of_arrays(arrays)
@@ -40,8 +42,10 @@ def _verdict(clips: Clips, arrays: Mapping[str, np.ndarray]) -> str:
     seen = float(np.isfinite(arrays["positions"]).all(axis=-1).mean()) if arrays["positions"].size else 0.0
     have = "positions and rotations" if "rotations" in arrays else "positions"
     return (
-        f"{len(clips.names)} clips of {len(set(clips.labels))} actions by {len(set(clips.actors))} actors: {frames} frames at {rate}, "
-        f"{number(seconds)} s in all. {have.capitalize()} of {len(clips.skeleton.joints)} joints, {100 * seen:.1f} % of them seen."
+        f"{len(clips.names)} clips of {len(set(clips.labels))} actions by {len(set(clips.actors))} actors: {frames} "
+        f"frames at {rate}, "
+        f"{number(seconds)} s in all. {have.capitalize()} of {len(clips.skeleton.joints)} joints, {100 * seen:.1f} % "
+        "of them seen."
     )
 
 
@@ -61,7 +65,11 @@ def _sheet(clips: Clips, groups: Groups | None) -> Markup:
         name = next(name for name, own in zip(clips.names, clips.labels, strict=True) if own == label)
         rows.append(_poses(clips, name, label or UNKNOWN, groups))
     lead = f"The first clip of each action at {POSES} evenly spread times, from the front and from the right"
-    lead += ", the body in the middle and turned as it faces in the first frame." if groups else ", in the frame of the world."
+    lead += (
+        ", the body in the middle and turned as it faces in the first frame."
+        if groups
+        else ", in the frame of the world."
+    )
     lead += f" {MOST} of {len(labels)} actions." if len(labels) > MOST else ""
     return section("Contact sheet", *rows, lead=lead)
 
@@ -80,9 +88,13 @@ def _poses(clips: Clips, name: str, label: str, groups: Groups | None) -> Markup
 
 
 def _facing(motion: Motion, groups: Groups | None) -> np.ndarray:
-    """Positions (f, j, 3) with the middle of the joints above the origin, turned so that the body faces +z in the first frame."""
+    """Positions (f, j, 3) with the middle of the joints above the origin, turned so that the body faces +z in the first
+    frame.
+    """
     known = np.isfinite(motion.positions).all(axis=-1)[..., None]
-    middle = np.where(known, motion.positions, 0).sum(axis=1, keepdims=True) / np.maximum(known.sum(axis=1, keepdims=True), 1)
+    middle = np.where(known, motion.positions, 0).sum(axis=1, keepdims=True) / np.maximum(
+        known.sum(axis=1, keepdims=True), 1
+    )
     turn = motions.heading(motion, groups)[0] if groups else np.eye(3)
     return (motion.positions - middle * [1, 0, 1]) @ (turn if np.isfinite(turn).all() else np.eye(3))
 

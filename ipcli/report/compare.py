@@ -6,10 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ipcli.report import curves, provenance as origin
+from ipcli.report import curves
+from ipcli.report import provenance as origin
 from ipcli.report.accuracy import best
 from ipcli.report.numbers import aligned
-from ipcli.report.page import Markup, details, element, page as document, section, table
+from ipcli.report.page import Markup, details, element, section, table
+from ipcli.report.page import page as document
 
 
 def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = 0) -> str:
@@ -27,11 +29,14 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
 
 
 def _means(methods: list[str], columns: list[str], values: np.ndarray) -> Markup:
-    """Means and the spread over scenes; a method that was not run on all scenes is not comparable and gets no figures."""
+    """Means and the spread over scenes; a method that was not run on all scenes is not comparable and gets no
+    figures.
+    """
     means, spread = values.mean(axis=0), values.std(axis=0)
     cells = [[f"{text}" for text in aligned(column)] for column in means.T]
     rows = [
-        (name, *(_cell(cells[c][m], spread[m, c], len(values)) for c in range(len(columns)))) for m, name in enumerate(methods)
+        (name, *(_cell(cells[c][m], spread[m, c], len(values)) for c in range(len(columns))))
+        for m, name in enumerate(methods)
     ]
     lead = "Best of each column in bold; behind each mean the standard deviation over the scenes."
     return section("Means over the scenes", table(("", *columns), rows, bold=best(means, columns)), lead=lead)
@@ -48,7 +53,11 @@ def _by_scene(scenes: list[str], methods: list[str], columns: list[str], values:
     order = np.arange(1, len(scenes) + 1, dtype=float)
     parts = []
     for c, column in enumerate(columns):
-        lines = [curves.Series(name, order, values[:, m, c]) for m, name in enumerate(methods) if np.isfinite(values[:, m, c]).any()]
+        lines = [
+            curves.Series(name, order, values[:, m, c])
+            for m, name in enumerate(methods)
+            if np.isfinite(values[:, m, c]).any()
+        ]
         if len(scenes) > 1 and lines:
             parts.append(curves.plot(lines, column, "scene", column))
         rows = list(zip(scenes, *(aligned(values[:, m, c]) for m in range(len(methods))), strict=True))

@@ -1,4 +1,6 @@
-"""What was taken for what: the matrix of confusions (thesis figure 5.5) and the answers a class got (figure 5.3), as SVG."""
+"""What was taken for what: the matrix of confusions (thesis figure 5.5) and the answers a class got (figure 5.3), as
+SVG.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,8 @@ LEAST = 0.005  # share of a row below which a cell stays blank
 
 
 def matrix(counts: np.ndarray, rows: Sequence[str], columns: Sequence[str], title: str) -> Markup:
-    """Rows (r,) are the truth, columns (c,) the answers; each cell is shaded and labelled by its share of the row, in percent.
+    """Rows (r,) are the truth, columns (c,) the answers; each cell is shaded and labelled by its share of the row, in
+    percent.
 
     ``counts`` (r, c) are numbers of frames or clips. A class without any has an empty row.
     """
@@ -28,15 +31,24 @@ def matrix(counts: np.ndarray, rows: Sequence[str], columns: Sequence[str], titl
     for r, name in enumerate(rows):
         y = top + r * CELL
         parts += [element("text", name, class_="tick", x=left - 8, y=y + CELL / 2, dy="0.35em", text_anchor="end")]
-        parts += [_cell(shares[r, c], int(counts[r, c]), left + c * CELL, y, name == other) for c, other in enumerate(columns)]
+        parts += [
+            _cell(shares[r, c], int(counts[r, c]), left + c * CELL, y, name == other) for c, other in enumerate(columns)
+        ]
     right = left + len(columns) * CELL
     parts += [
-        element("text", f"n = {int(total[r, 0])}", class_="tick", x=right + 8, y=top + (r + 0.5) * CELL, dy="0.35em") for r in range(len(rows))
+        element("text", f"n = {int(total[r, 0])}", class_="tick", x=right + 8, y=top + (r + 0.5) * CELL, dy="0.35em")
+        for r in range(len(rows))
     ]
     lean = 0.72 * LETTER * len(columns[-1]) if len(columns) else 0
     width, height = right + max(64.0, lean), top + len(rows) * CELL + 4
     return element(
-        "svg", *parts, class_="plot matrix", viewBox=f"0 0 {width:.0f} {height:.0f}", style=f"max-width:{width:.0f}px", role="img", aria_label=title
+        "svg",
+        *parts,
+        class_="plot matrix",
+        viewBox=f"0 0 {width:.0f} {height:.0f}",
+        style=f"max-width:{width:.0f}px",
+        role="img",
+        aria_label=title,
     )
 
 
@@ -50,9 +62,25 @@ def _cell(share: float, count: int, x: float, y: float, right: bool) -> Markup:
     box = element("rect", x=f"{x:.1f}", y=f"{y:.1f}", width=CELL - 2, height=CELL - 2, rx=2, class_="cell")
     if share < LEAST:
         return box
-    fill = element("rect", x=f"{x:.1f}", y=f"{y:.1f}", width=CELL - 2, height=CELL - 2, rx=2, class_=kind, fill_opacity=f"{0.12 + 0.88 * share:.2f}")
+    fill = element(
+        "rect",
+        x=f"{x:.1f}",
+        y=f"{y:.1f}",
+        width=CELL - 2,
+        height=CELL - 2,
+        rx=2,
+        class_=kind,
+        fill_opacity=f"{0.12 + 0.88 * share:.2f}",
+    )
     text = "100" if share == 1 else f"{min(100 * share, 99.9):.3g}" if share > 0.99 else f"{100 * share:.0f}"
-    label = element("text", text, class_="inside strong" if share > 0.55 else "inside", x=x + CELL / 2 - 1, y=y + CELL / 2 - 1, dy="0.35em")
+    label = element(
+        "text",
+        text,
+        class_="inside strong" if share > 0.55 else "inside",
+        x=x + CELL / 2 - 1,
+        y=y + CELL / 2 - 1,
+        dy="0.35em",
+    )
     return element("g", element("title", f"{count}, {percent(share)}"), box, fill, label)
 
 
@@ -67,11 +95,22 @@ def histogram(counts: np.ndarray, names: Sequence[str], truth: str) -> Markup:
     for index, (count, name) in enumerate(zip(counts, names, strict=True)):
         x, tall = 4 + 1.5 * BAR * index, PANEL * count / total
         bar = element(
-            "rect", x=f"{x:.1f}", y=f"{22 + PANEL - tall:.1f}", width=BAR, height=f"{tall:.1f}", class_="hit" if name == truth else "miss"
+            "rect",
+            x=f"{x:.1f}",
+            y=f"{22 + PANEL - tall:.1f}",
+            width=BAR,
+            height=f"{tall:.1f}",
+            class_="hit" if name == truth else "miss",
         )
         number = element("text", index + 1, class_="tick", x=f"{x + BAR / 2:.1f}", y=PANEL + 36, text_anchor="middle")
         parts += [element("g", element("title", f"{name}: {int(count)}, {percent(count / total)}"), bar, number)]
     parts += [element("path", class_="base", d=f"M0 {22 + PANEL}H{width:.0f}")]
     return element(
-        "svg", *parts, class_="plot panel", viewBox=f"0 0 {width:.0f} {PANEL + 42}", style=f"max-width:{width:.0f}px", role="img", aria_label=truth
+        "svg",
+        *parts,
+        class_="plot panel",
+        viewBox=f"0 0 {width:.0f} {PANEL + 42}",
+        style=f"max-width:{width:.0f}px",
+        role="img",
+        aria_label=truth,
     )

@@ -17,8 +17,9 @@ LEGEND_LETTER = 6.4  # pixels an average letter of the legend is wide
 
 @dataclass(frozen=True)
 class Series:
-    """A named line; ``dashed`` for what is only there to compare with, ``dots`` where points are few and count, ``ring`` for a
-    point (x, y) to mark, on the line or off it."""
+    """A named line; ``dashed`` for what is only there to compare with, ``dots`` where points are few and count,
+    ``ring`` for a point (x, y) to mark, on the line or off it.
+    """
 
     name: str
     x: np.ndarray
@@ -66,7 +67,9 @@ def plot(
     """A plot of lines with ticks, labels and a legend. A point without a place on the axes breaks its line."""
     rings = np.array([line.ring for line in series if line.ring]).reshape(-1, 2)
     x = _axis([*(line.x for line in series), rings[:, 0]], x_label, log_x, False, width - LEFT - RIGHT, rounded=False)
-    y = _axis([*(line.y for line in series), rings[:, 1]], y_label, log_y, from_zero, height - TOP - BOTTOM, rounded=True)
+    y = _axis(
+        [*(line.y for line in series), rings[:, 1]], y_label, log_y, from_zero, height - TOP - BOTTOM, rounded=True
+    )
     area = element(
         "g",
         *_grid(x, y),

@@ -1,4 +1,6 @@
-"""The page of `trials`: the errors of every method on one scene, the surfaces in light, and what the confidences are worth."""
+"""The page of `trials`: the errors of every method on one scene, the surfaces in light, and what the confidences are
+worth.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +9,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from ipcli.geometry.surface import normals
-from ipcli.report import curves, pictures, provenance as origin
+from ipcli.report import curves, pictures
+from ipcli.report import provenance as origin
 from ipcli.report.accuracy import best
 from ipcli.report.numbers import aligned, number
-from ipcli.report.page import Markup, bar, columns_for, element, figure, gallery, page as document, section, table
+from ipcli.report.page import Markup, bar, columns_for, element, figure, gallery, section, table
+from ipcli.report.page import page as document
 from ipcli.report.pictures import WIDEST, draw
 from ipcli.report.surface import SHADE, shade
 
@@ -25,9 +29,13 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
         f"Methods of fusion on {str(views).split('.')[0]}",
         "ipcli evaluate-fusion",
         _verdict(arrays),
-        section("Errors", error_table(arrays), lead="All on the pixels that every map has; the best of each column in bold."),
         section(
-            "Surfaces", surfaces(arrays, widest), lead="Every map in the same light; below, its error, on the scale of the fused maps. Hatched: not known."
+            "Errors", error_table(arrays), lead="All on the pixels that every map has; the best of each column in bold."
+        ),
+        section(
+            "Surfaces",
+            surfaces(arrays, widest),
+            lead="Every map in the same light; below, its error, on the scale of the fused maps. Hatched: not known.",
         ),
         section("What the confidence is worth", sparsification(arrays), lead=SPARSIFICATION),
         origin.origin(provenance),
@@ -35,10 +43,15 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
 
 
 SPARSIFICATION = (
-    "Mean error of the pixels kept when the least trusted are dropped, in mean errors of all: the lower, the better it is known where the map "
+    "Mean error of the pixels kept when the least trusted are dropped, in mean errors of all: the lower, the better "
+    "it is known where the map "
     "errs. Dashed: the best order there is. The area between a curve and that one is the AUSE of the table."
 )
-ORDERS = {"kept_error_uncertainty": "by uncertainty", "kept_error": "by confidence", "kept_error_angle": "by angle of view"}
+ORDERS = {
+    "kept_error_uncertainty": "by uncertainty",
+    "kept_error": "by confidence",
+    "kept_error_angle": "by angle of view",
+}
 
 
 def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
@@ -46,7 +59,10 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
     errors = arrays["values"][:, columns.index("RMSE")]
     first = int(np.nanargmin(errors))
     median = float(errors[labels.index("median")])
-    return f"Least RMSE: {number(float(errors[first]))} by {labels[first]}; the median has {number(median)} (in {arrays['unit']})"
+    return (
+        f"Least RMSE: {number(float(errors[first]))} by {labels[first]}; the median has {number(median)} (in "
+        f"{arrays['unit']})"
+    )
 
 
 def row_names(arrays: Mapping[str, np.ndarray]) -> list[str]:
@@ -70,7 +86,9 @@ def surfaces(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
     window, names = extent(arrays["truth"]), [str(name) for name in arrays["maps"]]
     errors = [np.abs(depth - arrays["truth"])[window] for depth in arrays["depth"]]
     scale = pictures.from_zero(errors[names.index("median") + 1 :] or errors, "magma", str(arrays["unit"]))
-    lit = [lights(depth, arrays["truth"], arrays["intrinsics"])[window] for depth in (*arrays["depth"], arrays["truth"])]
+    lit = [
+        lights(depth, arrays["truth"], arrays["intrinsics"])[window] for depth in (*arrays["depth"], arrays["truth"])
+    ]
     widest = min(widest, 420)
     shown = [figure(draw(light, SHADE, widest), name) for light, name in zip(lit, [*names, "truth"], strict=True)]
     below = [figure(draw(error, scale, widest), f"{name}: error") for error, name in zip(errors, names, strict=True)]
@@ -101,9 +119,13 @@ def sparsification(arrays: Mapping[str, np.ndarray]) -> Markup:
     rows = [
         row
         for row, (name, rule) in enumerate(zip(arrays["methods"], arrays["rules"], strict=True))
-        if str(rule) == "automatic" and str(name) in map(str, arrays["maps"]) and np.isfinite(arrays["kept_error"][row]).all()
+        if str(rule) == "automatic"
+        and str(name) in map(str, arrays["maps"])
+        and np.isfinite(arrays["kept_error"][row]).all()
     ][:SHOWN]
-    return element("div", *(_sparsification(str(arrays["methods"][row]), arrays, row, shares) for row in rows), class_="plots")
+    return element(
+        "div", *(_sparsification(str(arrays["methods"][row]), arrays, row, shares) for row in rows), class_="plots"
+    )
 
 
 def _sparsification(name: str, arrays: Mapping[str, np.ndarray], row: int, shares: np.ndarray) -> Markup:
@@ -111,4 +133,6 @@ def _sparsification(name: str, arrays: Mapping[str, np.ndarray], row: int, share
         *(curves.Series(order, shares, arrays[field][row]) for field, order in ORDERS.items() if field in arrays),
         curves.Series("best order", shares, arrays["least_error"][row], dashed=True),
     ]
-    return curves.plot(lines, name, "share of pixels kept, %", "error, mean errors", from_zero=True, width=400, height=260)
+    return curves.plot(
+        lines, name, "share of pixels kept, %", "error, mean errors", from_zero=True, width=400, height=260
+    )

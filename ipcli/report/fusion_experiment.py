@@ -1,4 +1,6 @@
-"""The page of an experiment of chapter 4: our figures beside those that the thesis prints, curves, surfaces, and the bars."""
+"""The page of an experiment of chapter 4: our figures beside those that the thesis prints, curves, surfaces, and the
+bars.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,8 @@ from ipcli.report.averages import depth_average, over_scenes
 from ipcli.report.curves import Series, plot
 from ipcli.report.evaluate_fusion import SHOWN, SPARSIFICATION, extent, lights
 from ipcli.report.numbers import DASH, aligned, number
-from ipcli.report.page import Markup, details, element, figure, gallery, page as document, section, table
+from ipcli.report.page import Markup, details, element, figure, gallery, section, table
+from ipcli.report.page import page as document
 from ipcli.report.pictures import Scale, draw, robust
 from ipcli.report.surface import SHADE
 
@@ -136,14 +139,20 @@ def bars_section(e: Experiment) -> Markup | str:
     for bar in e.bars:
         measure, relative = bar.measure.removesuffix(" / median"), bar.measure.endswith("/ median")
         unit = e.mean("median", measure) if relative else 1.0
-        reached = {method: e.mean(method, measure) / unit for method in e.methods if np.isfinite(e.mean(method, measure))}
+        reached = {
+            method: e.mean(method, measure) / unit for method in e.methods if np.isfinite(e.mean(method, measure))
+        }
         first = min(reached, key=reached.get)
         own = reached.get(e.default, float("nan"))
         met = "by the default" if own <= bar.bar else f"by {first}" if reached[first] <= bar.bar else "no"
         goal = number(bar.goal) if bar.goal is not None else DASH
         rows.append((bar.measure, number(bar.bar), goal, number(own), number(reached[first]), first, met, bar.why))
     heads = ("", "bar", "goal", f"{e.default}, the default", "least", "by", "met", "the bar is")
-    return section("What it is held to", table(heads, rows), lead="At the automatic λ, on average over the scenes.") if rows else ""
+    return (
+        section("What it is held to", table(heads, rows), lead="At the automatic λ, on average over the scenes.")
+        if rows
+        else ""
+    )
 
 
 def thesis_sections(e: Experiment) -> list[Markup]:
@@ -157,7 +166,11 @@ def beside(e: Experiment, printed: Printed) -> Markup:
     heads = [element("span", column, element("br"), side) for column in printed.columns for side in ("thesis", "ours")]
     rows = []
     for name, ours, values in printed.rows:
-        cells = [cell for column, value in zip(printed.columns, values, strict=True) for cell in (f"{value:g}", number(e.mean(ours, column)))]
+        cells = [
+            cell
+            for column, value in zip(printed.columns, values, strict=True)
+            for cell in (f"{value:g}", number(e.mean(ours, column)))
+        ]
         rows.append((name, ours, *cells))
     return element("div", table(("", "ours", *heads), rows), class_="dense")
 
@@ -167,9 +180,11 @@ def methods_section(e: Experiment) -> Markup:
     scenes = ", ".join(map(str, e.table["scenes"]))
     kind = "Arithmetic" if e.arithmetic else "Geometric (of percentages: arithmetic)"
     lead = (
-        f"{kind} means over {scenes}. centred RMSE, Z-MAE, N-MAE, Z-avg, out-3 and D-avg are the thesis' measures; RMSE and MAE are plain, "
+        f"{kind} means over {scenes}. centred RMSE, Z-MAE, N-MAE, Z-avg, out-3 and D-avg are the thesis' measures; "
+        "RMSE and MAE are plain, "
         "and so is out-3 seen: of the pixels where all maps have a value, with no gap filled. "
-        "AUSE: how far the order of the pixels by confidence, uncertainty or angle of view is from that by their errors, 0 the best. "
+        "AUSE: how far the order of the pixels by confidence, uncertainty or angle of view is from that by their "
+        "errors, 0 the best. "
         "Bold: the best of a column."
     )
     tuned = [f"{method}{TUNED}" for method in e.methods if f"{method}{TUNED}" in map(str, e.table["methods"])]
@@ -198,21 +213,42 @@ def lambda_section(e: Experiment) -> Markup | str:
     if e.tuning is None or not ratios:
         return ""
     close = sum(ratio <= tune_fusion.WITHIN for ratio in ratios.values())
-    own = f" For the default, {e.default}, it is {number(ratios[e.default])} times the tuned one's." if e.default in ratios else ""
-    words = f"On the scenes of the table the automatic λ gives {e.measure} within 10 % of the tuned λ for {close} of {len(ratios)} methods.{own}"
+    own = (
+        f" For the default, {e.default}, it is {number(ratios[e.default])} times the tuned one's."
+        if e.default in ratios
+        else ""
+    )
+    words = (
+        f"On the scenes of the table the automatic λ gives {e.measure} within 10 % of the tuned λ for {close} of "
+        f"{len(ratios)} methods.{own}"
+    )
     best = dict(zip(map(str, e.tuning["methods"]), map(float, e.tuning["best"]), strict=True))
-    automatic = dict(zip(map(str, e.tuning["methods"]), np.exp(np.log(e.tuning["automatic_lambda"]).mean(axis=0)), strict=True))
+    automatic = dict(
+        zip(map(str, e.tuning["methods"]), np.exp(np.log(e.tuning["automatic_lambda"]).mean(axis=0)), strict=True)
+    )
     rows = [
-        (method, number(float(automatic[method])), number(e.mean(method, e.measure)), number(best[method]),
-         number(e.mean(method + TUNED, e.measure)), number(ratio), "yes" if ratio <= tune_fusion.WITHIN else "no")
+        (
+            method,
+            number(float(automatic[method])),
+            number(e.mean(method, e.measure)),
+            number(best[method]),
+            number(e.mean(method + TUNED, e.measure)),
+            number(ratio),
+            "yes" if ratio <= tune_fusion.WITHIN else "no",
+        )
         for method, ratio in ratios.items()
-    ]  # fmt: skip
+    ]
     heads = ("", "automatic λ", f"{e.measure}", "tuned λ", f"{e.measure}", "ratio", "within 10 %")
     curves = tune_fusion.plots(e.tuning, *tune_fusion.measured(e.tuning))
     scenes = ", ".join(map(str, e.tuning["scenes"]))
-    shown = details(f"{e.measure} against λ on the development scenes ({scenes}); rings: the automatic λ", element("div", *curves, class_="plots"))
+    shown = details(
+        f"{e.measure} against λ on the development scenes ({scenes}); rings: the automatic λ",
+        element("div", *curves, class_="plots"),
+    )
     lead = f"λ was tuned for {e.measure} on {scenes}, which are not in the table."
-    return section("The automatic and the tuned λ", element("p", words, class_="lead"), table(heads, rows), shown, lead=lead)
+    return section(
+        "The automatic and the tuned λ", element("p", words, class_="lead"), table(heads, rows), shown, lead=lead
+    )
 
 
 def sweep_charts(e: Experiment, measure: str) -> list[Chart]:
@@ -224,7 +260,7 @@ def sweep_charts(e: Experiment, measure: str) -> list[Chart]:
             for method, error in _swept(trials, measure).items():
                 lines.setdefault(method, []).append((value, error))
         series = tuple(Series(name, *np.array(points).T, dots=True) for name, points in lines.items())
-        charts.append(Chart(sweep.capitalize(), SWEEPS.get(sweep, sweep), measure, series[: SHOWN]))
+        charts.append(Chart(sweep.capitalize(), SWEEPS.get(sweep, sweep), measure, series[:SHOWN]))
     return charts
 
 
@@ -232,18 +268,29 @@ def _swept(trials: Sequence[Arrays], measure: str) -> dict[str, float]:
     """Mean error over scenes of every method at one setting; single views and means are off the chart and left out."""
     columns = [str(name) for name in trials[0]["columns"]]
     means = averaged(np.stack([one["values"] for one in trials]), columns)[:, [*columns, "Z-avg"].index(measure)]
-    return {str(name): float(mean) for name, mean in zip(trials[0]["methods"], means, strict=True) if str(name) not in ("reference", "mean")}
+    return {
+        str(name): float(mean)
+        for name, mean in zip(trials[0]["methods"], means, strict=True)
+        if str(name) not in ("reference", "mean")
+    }
 
 
 def sweep_sections(e: Experiment) -> Iterator[Markup]:
     """Average depth error (figures 4.3 and 4.5) and disparity error (4.4 and 4.6) against each setting."""
     if not e.sweeps:
         return
-    figures = {"Z-avg": "Depth error against noise, number and spacing of the views (thesis figures 4.3, 4.5)",
-               "D-avg px": "Disparity error against the same (thesis figures 4.4, 4.6)"}  # fmt: skip
-    lead = "At the automatic λ; geometric means over the scenes swept. Z-avg: geometric mean of centred RMSE, Z-MAE and N-MAE."
+    figures = {
+        "Z-avg": "Depth error against noise, number and spacing of the views (thesis figures 4.3, 4.5)",
+        "D-avg px": "Disparity error against the same (thesis figures 4.4, 4.6)",
+    }
+    lead = (
+        "At the automatic λ; geometric means over the scenes swept. Z-avg: geometric mean of centred RMSE, Z-MAE and "
+        "N-MAE."
+    )
     for measure, title in figures.items():
-        yield section(title, element("div", *(chart.svg() for chart in sweep_charts(e, measure)), class_="plots"), lead=lead)
+        yield section(
+            title, element("div", *(chart.svg() for chart in sweep_charts(e, measure)), class_="plots"), lead=lead
+        )
 
 
 def confidence_chart(e: Experiment) -> Chart | None:
@@ -254,7 +301,9 @@ def confidence_chart(e: Experiment) -> Chart | None:
     lines = []
     for row, (name, rule) in enumerate(zip(first["methods"], first["rules"], strict=True)):
         if str(rule) == "automatic" and str(name) in map(str, first["maps"]) and len(lines) < SHOWN - 1:
-            kept = np.mean([scene.get("kept_error_uncertainty", scene["kept_error"])[row] for scene in e.scenes.values()], axis=0)
+            kept = np.mean(
+                [scene.get("kept_error_uncertainty", scene["kept_error"])[row] for scene in e.scenes.values()], axis=0
+            )
             lines.append(Series(str(name), np.linspace(100 / kept.size, 100, kept.size), kept))
             least = np.mean([scene["least_error"][row] for scene in e.scenes.values()], axis=0)
     if not lines:
@@ -266,7 +315,11 @@ def confidence_chart(e: Experiment) -> Chart | None:
 def confidence_section(e: Experiment) -> Markup | str:
     """What the confidences are worth."""
     chart = confidence_chart(e)
-    return section("What the confidence is worth", element("div", chart.svg(), class_="plots"), lead=SPARSIFICATION) if chart else ""
+    return (
+        section("What the confidence is worth", element("div", chart.svg(), class_="plots"), lead=SPARSIFICATION)
+        if chart
+        else ""
+    )
 
 
 def surfaces(trials: Arrays) -> list[Panel]:
@@ -284,7 +337,11 @@ def surface_sections(e: Experiment) -> Iterator[Markup]:
         wide = shown[0].values.shape[1] > 1.9 * shown[0].values.shape[0]
         rows += [element("h3", name), gallery(*map(_figure, shown), columns=2 if wide else 4, small=True)]
     if rows:
-        yield section("Surfaces (thesis figures 4.8 to 4.10)", *rows, lead="Every map at the automatic λ, in the same light. Hatched: not known.")
+        yield section(
+            "Surfaces (thesis figures 4.8 to 4.10)",
+            *rows,
+            lead="Every map at the automatic λ, in the same light. Hatched: not known.",
+        )
 
 
 def scale_space(panels: Arrays) -> dict[str, list[Panel]]:
@@ -297,23 +354,31 @@ def scale_space(panels: Arrays) -> dict[str, list[Panel]]:
     for name, members in groups.items():
         depth = robust([members[0][1]], "turbo")
         drawn[name] = [
-            Panel(caption, values, robust([values], "viridis") if caption.startswith("confidence") else depth) for caption, values in members
+            Panel(caption, values, robust([values], "viridis") if caption.startswith("confidence") else depth)
+            for caption, values in members
         ]
     return drawn
 
 
 CAPTIONS = {
-    "4.1": "TV-L1 of one image. By an even confidence c a box goes all at once when c falls below about 4 over its side, whatever its height; "
+    "4.1": "TV-L1 of one image. By an even confidence c a box goes all at once when c falls below about 4 over its "
+    "side, whatever its height; "
     "by one that varies in space the smallest stays where the large ones would go, and the other way round.",
-    "4.2": "Eleven depth maps of one camera, the right half three times as noisy. By an even confidence (λ) one half is smoothed too much "
-    "or the other too little; an estimated one tells them apart. The weak prior is that of the authors' code, the other our default.",
+    "4.2": "Eleven depth maps of one camera, the right half three times as noisy. By an even confidence (λ) one half "
+    "is smoothed too much "
+    "or the other too little; an estimated one tells them apart. The weak prior is that of the authors' code, the "
+    "other our default.",
 }
 
 
 def scale_space_sections(e: Experiment) -> Iterator[Markup]:
     """What the confidence does to the scale (figures 4.1 and 4.2)."""
     for name, shown in scale_space(e.panels).items():
-        yield section(f"Scale and confidence (thesis figure {name})", gallery(*map(_figure, shown), columns=4, small=True), lead=CAPTIONS.get(name, ""))
+        yield section(
+            f"Scale and confidence (thesis figure {name})",
+            gallery(*map(_figure, shown), columns=4, small=True),
+            lead=CAPTIONS.get(name, ""),
+        )
 
 
 def _figure(panel: Panel) -> Markup:

@@ -34,8 +34,15 @@ def lanes(found: Sequence[Segment], truth: Sequence[Segment], names: Sequence[st
         x = left + scale * value
         parts += [element("path", class_="grid", d=f"M{x:.1f} 24V{bottom}")]
         parts += [element("text", number(value, 6), class_="tick", x=f"{x:.1f}", y=bottom + 17, text_anchor="middle")]
-    parts += [element("text", "seconds", class_="label", x=f"{left + scale * end / 2:.1f}", y=bottom + 36, text_anchor="middle")]
-    parts += [element("text", name, class_="tick", x=left - 8, y=y + LANE / 2, dy="0.35em", text_anchor="end") for name, y in place.items()]
+    parts += [
+        element(
+            "text", "seconds", class_="label", x=f"{left + scale * end / 2:.1f}", y=bottom + 36, text_anchor="middle"
+        )
+    ]
+    parts += [
+        element("text", name, class_="tick", x=left - 8, y=y + LANE / 2, dy="0.35em", text_anchor="end")
+        for name, y in place.items()
+    ]
     parts += [_bar(one, left, scale, place[one.name], "true", 3) for one in truth if one.name in place]
     parts += [_bar(one, left, scale, place[one.name], "hit", (LANE - BAR) // 2) for one in found if one.name in place]
     view = f"0 0 {WIDTH} {bottom + 42}"

@@ -8,7 +8,8 @@ import numpy as np
 
 from ipcli.report import pictures, surface
 from ipcli.report.numbers import percent, with_unit
-from ipcli.report.page import Markup, figure, meter, page as document, section, table
+from ipcli.report.page import Markup, figure, meter, section, table
+from ipcli.report.page import page as document
 from ipcli.report.pictures import photograph
 from ipcli.report.provenance import origin
 
@@ -20,10 +21,20 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     unit, count = str(arrays["unit"]), len(arrays["points"])
     verdict = (
         f"{count} points on a grid of {with_unit(float(arrays['spacing']), unit)}; half of them are seen alike by "
-        f"{np.median(arrays['views']):.0f} maps or more." if count else "The cloud is empty."
+        f"{np.median(arrays['views']):.0f} maps or more."
+        if count
+        else "The cloud is empty."
     )
     title = f"One cloud of {len(arrays['maps'])} fused maps"
-    return document(title, "ipcli merge-depth", verdict, _picture(arrays, widest), _by_map(arrays), _by_views(arrays), origin(provenance))
+    return document(
+        title,
+        "ipcli merge-depth",
+        verdict,
+        _picture(arrays, widest),
+        _by_map(arrays),
+        _by_views(arrays),
+        origin(provenance),
+    )
 
 
 def _picture(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
@@ -36,9 +47,14 @@ def _picture(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
 
 def _by_map(arrays: Mapping[str, np.ndarray]) -> Markup:
     rows = [
-        (name, f"{points}", *(meter(part, percent(part)) for part in (confirmed / max(points, 1), contradicted / max(points, 1))))
+        (
+            name,
+            f"{points}",
+            *(meter(part, percent(part)) for part in (confirmed / max(points, 1), contradicted / max(points, 1))),
+        )
         for name, points, confirmed, contradicted in zip(
-            *(arrays[field].tolist() for field in ("maps", "map_points", "map_confirmed", "map_contradicted")), strict=True
+            *(arrays[field].tolist() for field in ("maps", "map_points", "map_confirmed", "map_contradicted")),
+            strict=True,
         )
     ]
     lead = "Confirmed: enough other maps see the point where it is. Contradicted: more of them look through it."
@@ -48,5 +64,7 @@ def _by_map(arrays: Mapping[str, np.ndarray]) -> Markup:
 def _by_views(arrays: Mapping[str, np.ndarray]) -> Markup:
     numbers, counts = np.unique(arrays["views"], return_counts=True)
     total = max(int(counts.sum()), 1)
-    rows = [(f"{n}", f"{c}", meter(c / total, percent(c / total))) for n, c in zip(numbers, counts.tolist(), strict=True)]
+    rows = [
+        (f"{n}", f"{c}", meter(c / total, percent(c / total))) for n, c in zip(numbers, counts.tolist(), strict=True)
+    ]
     return section("Maps that agree on a point", table(("maps", "points", "share"), rows))

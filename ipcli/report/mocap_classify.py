@@ -52,7 +52,9 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
 
 
 def shares_of_time(arrays: Mapping[str, np.ndarray]) -> tuple[float, float]:
-    """Of the time that has a label, the share that its segments name right, and the share that they call none. NaN without labels."""
+    """Of the time that has a label, the share that its segments name right, and the share that they call none. NaN
+    without labels.
+    """
     right = unnamed = total = 0.0
     for name in dict.fromkeys(map(str, arrays["truth_segment_clip"])):
         found = _segments(arrays, "segment", name)
@@ -98,7 +100,9 @@ def _confusions(arrays: Mapping[str, np.ndarray]) -> Markup:
     for truth, answer in pairs:
         counts[rows.index(str(truth)), columns.index(str(answer))] += 1
     kept = counts.sum(axis=1) > 0
-    drawn = confusion.matrix(counts[kept], [name for name, keep in zip(rows, kept, strict=True) if keep], columns, "Answers")
+    drawn = confusion.matrix(
+        counts[kept], [name for name, keep in zip(rows, kept, strict=True) if keep], columns, "Answers"
+    )
     lead = "Rows are the labels of the clips, columns the answers, in percent of the row."
     return section("Confusions", element("div", drawn, class_="beside"), lead=lead)
 
@@ -114,10 +118,16 @@ def _answers(arrays: Mapping[str, np.ndarray]) -> Markup:
         best = meter(float(posterior[n, order[0]]), percent(float(posterior[n, order[0]])))
         second = f"{actions[order[1]]} {percent(float(posterior[n, order[1]]))}" if len(order) > 1 else ""
         truth = (str(arrays["truth"][n]),) if labelled else ()
-        rows.append((_query(arrays, n), *truth, str(arrays["answers"][n]), best, second, number(float(arrays["surprise"][n]))))
+        rows.append(
+            (_query(arrays, n), *truth, str(arrays["answers"][n]), best, second, number(float(arrays["surprise"][n])))
+        )
         if labelled and truth[0] and truth[0] != arrays["answers"][n]:
             warn[n] = "not the label that it has"
-    more = f" The first {MOST_ROWS} of {len(posterior)}; the CSV file or ipcli info has all." if len(posterior) > MOST_ROWS else ""
+    more = (
+        f" The first {MOST_ROWS} of {len(posterior)}; the CSV file or ipcli info has all."
+        if len(posterior) > MOST_ROWS
+        else ""
+    )
     columns = ("Query", *(("Label",) if labelled else ()), "Answer", "Posterior", "Next", "Surprise")
     limit = float(arrays["threshold"])
     above = f"; above {number(limit)} the answer is none" if np.isfinite(limit) else ""
@@ -142,5 +152,3 @@ def _groups(arrays: Mapping[str, np.ndarray]) -> Markup:
             rows.append((action, len(mine), *(percent(float(share)) for share in shares[mine].mean(axis=0))))
     lead = "The posterior that each group alone gives the action that was answered, averaged over its answers."
     return section("Groups", table(("Answer", "Number", *groups), rows), lead=lead)
-
-

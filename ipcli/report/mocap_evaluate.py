@@ -1,4 +1,6 @@
-"""The page of an `evaluation`: how often clips and single frames of people, clips or frames kept apart were named right."""
+"""The page of an `evaluation`: how often clips and single frames of people, clips or frames kept apart were named
+right.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ PROTOCOLS = {
     "one-to-rest": "A model of one actor recognises all the others, for each actor in turn.",
     "published": "The splits that came with the data.",
     "clips": "Clips at random: the same people are in both parts, so these figures do not carry over to new people.",
-    "frames": "Frames at random, as in the thesis: neighbours a few milliseconds apart are in both parts, so these figures tell "
+    "frames": "Frames at random, as in the thesis: neighbours a few milliseconds apart are in both parts, so these "
+    "figures tell "
     "how well the mixtures fit, and nothing of new recordings.",
 }
 CONFUSIONS = "Rows are the truth, columns the answers, in percent of the row; all splits together (thesis figure 5.5)."
@@ -62,7 +65,10 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
     clips, frames = (accuracy(arrays[f"{what}_confusion"]) for what in ("sequence", "frame"))
     many = len(clips) > 1
     over = f", the mean over {len(clips)} splits and the standard deviation between them" if many else ""
-    right = f"{mean_and_spread(clips)} of the clips and {mean_and_spread(frames)} of the single frames were named right{over}."
+    right = (
+        f"{mean_and_spread(clips)} of the clips and {mean_and_spread(frames)} of the single frames were named "
+        f"right{over}."
+    )
     return f"{right} {PROTOCOLS.get(str(arrays['split']), '')}"
 
 
@@ -71,16 +77,25 @@ def _by_split(arrays: Mapping[str, np.ndarray]) -> Markup:
     kinds = ("sequence", "frame", "pose_sequence", "handful", "pose_frame")
     clips, frames, unordered, few, poses = (accuracy(arrays[f"{what}_confusion"]) for what in kinds)
     shares = (clips, frames, unordered, *few.T, poses)
-    answers = ("Whole clips", "Single frames", "Clips by their poses", *(_handful(size) for size in sizes), "Single poses")
+    answers = (
+        "Whole clips",
+        "Single frames",
+        "Clips by their poses",
+        *(_handful(size) for size in sizes),
+        "Single poses",
+    )
     columns = ("Split", *answers, "Learnt from", "Recognised")
     rows = []
     for s, name in enumerate(_texts(arrays["splits"])):
-        counts = (f"{arrays[f'{part}_clips'][s]} clips, {arrays[f'{part}_frames'][s]} frames" for part in ("train", "test"))
+        counts = (
+            f"{arrays[f'{part}_clips'][s]} clips, {arrays[f'{part}_frames'][s]} frames" for part in ("train", "test")
+        )
         rows.append((name, *(percent(float(share[s])) for share in shares), *counts))
     if len(rows) > 1:
         rows.append(("mean ± sd", *(mean_and_spread(share) for share in shares), "", ""))
     lead = (
-        "Share of right answers to whole clips and to single frames with what moves about them; then to poses alone, in any order: all of a "
+        "Share of right answers to whole clips and to single frames with what moves about them; then to poses alone, "
+        "in any order: all of a "
         "clip, handfuls of a clip drawn at random, single ones."
     )
     last = {(len(rows) - 1, column) for column in range(len(columns))} if len(rows) > 1 else ()
@@ -104,12 +119,20 @@ def confusions(arrays: Mapping[str, np.ndarray]) -> Markup:
 def histograms(counts: np.ndarray, classes: Sequence[object]) -> Markup:
     """A panel for each row of (c, c) truth by answer."""
     names = _texts(classes)
-    return element("div", *(confusion.histogram(row, names, name) for row, name in zip(counts, names, strict=True)), class_="panels")
+    return element(
+        "div",
+        *(confusion.histogram(row, names, name) for row, name in zip(counts, names, strict=True)),
+        class_="panels",
+    )
 
 
 def _histograms(arrays: Mapping[str, np.ndarray], classes: list[str]) -> Markup:
     panels = histograms(arrays["frame_confusion"].sum(axis=0), classes)
-    return section("Answers to single frames", panels, lead=f"The answers to the single frames of each action (thesis figure 5.3): {numbered(classes)}.")
+    return section(
+        "Answers to single frames",
+        panels,
+        lead=f"The answers to the single frames of each action (thesis figure 5.3): {numbered(classes)}.",
+    )
 
 
 def numbered(names: Sequence[object]) -> str:
@@ -134,7 +157,10 @@ def clusters(arrays: Mapping[str, np.ndarray], title: str = "Behaviours") -> Mar
     rows = [
         (name, *(_count(*cell) for cell in line)) for name, line in zip(_texts(arrays["classes"]), counts, strict=True)
     ]
-    lead = "How many behaviours each action has in each group: the posterior mean, and the range that holds 90 % (thesis table 5.2)."
+    lead = (
+        "How many behaviours each action has in each group: the posterior mean, and the range that holds 90 % (thesis "
+        "table 5.2)."
+    )
     return section(title, table(("Action", *_texts(arrays["groups"])), rows), lead=lead)
 
 

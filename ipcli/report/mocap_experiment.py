@@ -1,4 +1,6 @@
-"""The page of an experiment of chapter 5: right answers beside what they are held to, beside peers, and beside what the thesis prints."""
+"""The page of an experiment of chapter 5: right answers beside what they are held to, beside peers, and beside what the
+thesis prints.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,12 @@ from ipcli.report.skeleton import bounds
 
 FRAMES, CLIPS = "frames", "clips"  # queries: single frames, whole clips; handfuls by their size
 POSE, POSES = "pose", "poses"  # the same without what moves: a single pose, the poses of a clip in any order
-CONFUSIONS = {FRAMES: "frame_confusion", POSE: "pose_frame_confusion", POSES: "pose_sequence_confusion", CLIPS: "sequence_confusion"}
+CONFUSIONS = {
+    FRAMES: "frame_confusion",
+    POSE: "pose_frame_confusion",
+    POSES: "pose_sequence_confusion",
+    CLIPS: "sequence_confusion",
+}
 WORDS = {
     "subjects": "some people to the others",
     "leave-one-out": "all but one to that one",
@@ -51,7 +58,9 @@ class Bar:
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """All that a page shows. Evaluations by method and split; the first method is what a user gets who chooses nothing."""
+    """All that a page shows. Evaluations by method and split; the first method is what a user gets who chooses
+    nothing.
+    """
 
     title: str
     lead: str
@@ -104,14 +113,30 @@ class Experiment:
 
 def heading(query: str) -> str:
     """The column of a query in the tables of peers."""
-    many = {POSE: "single frames %", FRAMES: "single frames %", POSES: "whole clips %", CLIPS: "whole clips %", "1": "1 frame of a clip %"}
+    many = {
+        POSE: "single frames %",
+        FRAMES: "single frames %",
+        POSES: "whole clips %",
+        CLIPS: "whole clips %",
+        "1": "1 frame of a clip %",
+    }
     return many.get(query, f"{query} frames of a clip %")
 
 
 def page(experiment: Experiment) -> str:
     """The whole page."""
     e = experiment
-    parts = [_bars(e), _table(e), *_peers(e), *_table_5_1(e), *_answers(e), *_confusions(e), *_clusters(e), *_poses(e), _links(e)]
+    parts = [
+        _bars(e),
+        _table(e),
+        *_peers(e),
+        *_table_5_1(e),
+        *_answers(e),
+        *_confusions(e),
+        *_clusters(e),
+        *_poses(e),
+        _links(e),
+    ]
     return document(e.title, "experiments/mocap.mk", e.lead, *(part for part in parts if part))
 
 
@@ -121,14 +146,30 @@ def _bars(e: Experiment) -> Markup | str:
     for bar in e.bars:
         is_number = bar.bar.replace(".", "").isdigit()
         asked = float(bar.bar) if is_number else e.peer(bar.bar, bar.split, bar.query)
-        reached = {method: e.percent(method, bar.split, bar.query) for method in e.methods if (method, bar.split) in e.evaluations}
+        reached = {
+            method: e.percent(method, bar.split, bar.query)
+            for method in e.methods
+            if (method, bar.split) in e.evaluations
+        }
         own, most = reached.get(e.methods[0], float("nan")), max(reached, key=reached.get)
         goal = number(bar.goal) if bar.goal else DASH
         named = bar.bar if is_number else f"{bar.bar}: {number(asked)}"
         met = (_met(own, asked, bar.goal), f"{number(reached[most])} by {most}", _met(reached[most], asked, bar.goal))
         rows.append((WORDS[bar.split], _asked(bar.query), named, goal, number(own), *met, bar.why))
-    heads = ("", "asked about", "bar, %", "goal, %", f"{e.methods[0]}, the default, %", "met", "most, %", "met", "the bar is")
-    return section("What it is held to", table(heads, rows), lead="Right answers, the mean over splits.") if rows else ""
+    heads = (
+        "",
+        "asked about",
+        "bar, %",
+        "goal, %",
+        f"{e.methods[0]}, the default, %",
+        "met",
+        "most, %",
+        "met",
+        "the bar is",
+    )
+    return (
+        section("What it is held to", table(heads, rows), lead="Right answers, the mean over splits.") if rows else ""
+    )
 
 
 def _met(reached: float, bar: float, goal: float | None) -> str:
@@ -138,7 +179,13 @@ def _met(reached: float, bar: float, goal: float | None) -> str:
 
 
 def _asked(query: str) -> str:
-    words = {FRAMES: "single frames", POSE: "single poses", POSES: "whole clips, poses in any order", CLIPS: "whole clips", "1": "1 pose of each clip"}
+    words = {
+        FRAMES: "single frames",
+        POSE: "single poses",
+        POSES: "whole clips, poses in any order",
+        CLIPS: "whole clips",
+        "1": "1 pose of each clip",
+    }
     return words.get(query, f"{query} poses of each clip, in no order")
 
 
@@ -147,13 +194,29 @@ def _table(e: Experiment) -> Markup:
     for split in e.splits:
         run = [method for method in e.methods if (method, split) in e.evaluations]
         for index, method in enumerate(run):
-            rows.append((WORDS[split] if not index else "", method, *(mean_and_spread(e.shares(method, split, query)) for query in e.queries)))
+            rows.append(
+                (
+                    WORDS[split] if not index else "",
+                    method,
+                    *(mean_and_spread(e.shares(method, split, query)) for query in e.queries),
+                )
+            )
     lead = (
-        "Right answers to single frames and to whole clips, and to the same from poses alone, in any order; the mean over splits and the "
-        "standard deviation between them. Frames at random say how well the mixtures fit, and nothing of new recordings."
+        "Right answers to single frames and to whole clips, and to the same from poses alone, in any order; the mean "
+        "over splits and the "
+        "standard deviation between them. Frames at random say how well the mixtures fit, and nothing of new "
+        "recordings."
     )
     sizes = (f"{size} pose{'s' * (size > 1)} of a clip" for size in e.sizes)
-    heads = ("from whom to whom", "method", "single frames", "single poses", *sizes, "clips by their poses", "whole clips")
+    heads = (
+        "from whom to whom",
+        "method",
+        "single frames",
+        "single poses",
+        *sizes,
+        "clips by their poses",
+        "whole clips",
+    )
     return section("Right answers", table(heads, rows), lead=lead)
 
 
@@ -166,7 +229,8 @@ def _peers(e: Experiment) -> Iterator[Markup]:
         blocks += [element("h3", WORDS.get(split, split)), element("div", table(columns, cells), class_="dense")]
     if blocks:
         lead = (
-            "benchmarks/mocap_peers.py: the same clips and splits, each method at the best setting of its declared grid on development data. "
+            "benchmarks/mocap_peers.py: the same clips and splits, each method at the best setting of its declared "
+            "grid on development data. "
             "Shuffled clips: all frames of a clip in random order."
         )
         yield section("Beside others", *blocks, lead=lead)
@@ -187,11 +251,14 @@ def _table_5_1(e: Experiment) -> Iterator[Markup]:
             figures = (number(e.percent(method, split, query)) for query in (FRAMES, CLIPS))
             rows.append((f"ours: {method}", WORDS[split], *figures))
     lead = (
-        "The thesis sets frames of one method beside sequences of the other. Five of its eleven actions are among those here; the others "
+        "The thesis sets frames of one method beside sequences of the other. Five of its eleven actions are among "
+        "those here; the others "
         "are not to be had, so compare with its random frames only in kind. DMW has no public code."
     )
     name, words = _title(printed)
-    yield section(f"Beside {name.lower()}", table(("", "from whom to whom", *printed.columns[1:]), rows), lead=f"{words}. {lead}")
+    yield section(
+        f"Beside {name.lower()}", table(("", "from whom to whom", *printed.columns[1:]), rows), lead=f"{words}. {lead}"
+    )
 
 
 def _answers(e: Experiment) -> Iterator[Markup]:
@@ -205,7 +272,11 @@ def _answers(e: Experiment) -> Iterator[Markup]:
             element("h3", f"{own['handfuls'].max()} poses of a clip, in no order (in place of thesis figure 5.4)"),
             histograms(few, own["classes"]),
         ]
-        yield section(f"Answers: {WORDS[split]}", *parts, lead=f"The answers to each action: {mocap_evaluate.numbered(own['classes'])}.")
+        yield section(
+            f"Answers: {WORDS[split]}",
+            *parts,
+            lead=f"The answers to each action: {mocap_evaluate.numbered(own['classes'])}.",
+        )
 
 
 def _confusions(e: Experiment) -> Iterator[Markup]:
@@ -216,7 +287,9 @@ def _confusions(e: Experiment) -> Iterator[Markup]:
             if (method, split) in e.evaluations:
                 drawn = confusions(e.evaluations[method, split])
                 blocks.append(drawn if not blocks else details(f"{WORDS[split]}; {method}", drawn))
-    lead = f"Rows are the truth, columns the answers, in percent of the row. First: {WORDS[e.splits[0]]}, {e.methods[0]}."
+    lead = (
+        f"Rows are the truth, columns the answers, in percent of the row. First: {WORDS[e.splits[0]]}, {e.methods[0]}."
+    )
     yield section("Confusions (thesis figure 5.5)", *blocks, lead=lead)
 
 
@@ -246,14 +319,24 @@ def _poses(e: Experiment) -> Iterator[Markup]:
     for action, name in enumerate(map(str, e.model["actions"])):
         parted = [str(group) not in ("body", "motion") for group in e.model["groups"]]
         group = int(np.argmax(np.where(parted, e.model["preferences"][action], 0)))
-        title = f"{name}: {e.model['groups'][group]}, {percent(float(e.model['preferences'][action, group]))} of the preferences"
+        title = (
+            f"{name}: {e.model['groups'][group]}, {percent(float(e.model['preferences'][action, group]))} of the "
+            "preferences"
+        )
         parts += [element("h3", title), mocap_train.behaviours(e.model, action, group, box, SHOWN)]
-    lead = "Each by its most typical frame, from the front and from the right, the other frames faint; of each action the part of the body that counts most."
+    lead = (
+        "Each by its most typical frame, from the front and from the right, the other frames faint; of each action "
+        "the part of the body that counts most."
+    )
     yield section("Behaviours (thesis figure 5.6)", *parts, lead=lead)
 
 
 def _links(e: Experiment) -> Markup:
     names = [(method, split, f"{method}-{split}.evaluation.html") for method, split in e.evaluations]
     links = [element("a", f"{method}: {WORDS[split]}", href=href) for method, split, href in names]
-    links += [element("a", "the behaviours of all actions and groups", href="all.model.html")] if e.model is not None else []
-    return section("More", *(element("p", link) for link in links), lead="A page each, with all clips that were named wrong.")
+    links += (
+        [element("a", "the behaviours of all actions and groups", href="all.model.html")] if e.model is not None else []
+    )
+    return section(
+        "More", *(element("p", link) for link in links), lead="A page each, with all clips that were named wrong."
+    )

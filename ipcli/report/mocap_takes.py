@@ -1,4 +1,6 @@
-"""The page of the experiment on long takes: how much of the time is named right by windows of several lengths, and the timelines."""
+"""The page of the experiment on long takes: how much of the time is named right by windows of several lengths, and the
+timelines.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +10,25 @@ import numpy as np
 
 from ipcli.report.mocap_classify import shares_of_time, timelines
 from ipcli.report.numbers import percent
-from ipcli.report.page import section, table
 from ipcli.report.page import page as document
+from ipcli.report.page import section, table
 
 Arrays = Mapping[str, np.ndarray]
 
 
 def page(title: str, lead: str, found: Mapping[tuple[float, bool], Arrays], shown: tuple[float, bool]) -> str:
-    """Recognitions by length of the window in seconds and whether "none" was allowed; the timelines are of the one `shown`."""
+    """Recognitions by length of the window in seconds and whether "none" was allowed; the timelines are of the one
+    `shown`.
+    """
     rows = [
-        (f"{window:g} s", *(percent(share) for allowed in (True, False) for share in shares_of_time(found[window, allowed])[: 1 + allowed]))
+        (
+            f"{window:g} s",
+            *(
+                percent(share)
+                for allowed in (True, False)
+                for share in shares_of_time(found[window, allowed])[: 1 + allowed]
+            ),
+        )
         for window in sorted({window for window, _ in found})
     ]
     heads = ("window", "named right", "called none", "named right if none is not allowed")

@@ -1,4 +1,6 @@
-"""The page of `behaviours`: what the mixtures found, drawn as poses, how many, and whether the chains can be trusted."""
+"""The page of `behaviours`: what the mixtures found, drawn as poses, how many, and whether the chains can be
+trusted.
+"""
 
 from __future__ import annotations
 
@@ -25,8 +27,10 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     doubtful = int((arrays["r_hat"] > TRUSTED).sum())
     cells = len(actions) * len(groups)
     text = (
-        f"the number of behaviours of {doubtful} of {cells} mixtures has not settled (R-hat above {TRUSTED}). Recognition does not need it "
-        "to; for numbers to rely on give more sweeps and chains: --set learning.mixture.sweeps=1000 --set learning.mixture.chains=4"
+        f"the number of behaviours of {doubtful} of {cells} mixtures has not settled (R-hat above {TRUSTED}). "
+        "Recognition does not need it "
+        "to; for numbers to rely on give more sweeps and chains: --set learning.mixture.sweeps=1000 --set "
+        "learning.mixture.chains=4"
     )
     return document(
         f"Behaviours of {len(actions)} actions in {len(groups)} groups",
@@ -44,7 +48,8 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
 def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
     frames, mean = int(arrays["frames"].sum()), arrays["components"][..., 0]
     return (
-        f"{frames} frames of {int(arrays['clips'].sum())} clips by {len(arrays['actors'])} people; {mean.min():.0f} to {mean.max():.0f} behaviours "
+        f"{frames} frames of {int(arrays['clips'].sum())} clips by {len(arrays['actors'])} people; {mean.min():.0f} to "
+        f"{mean.max():.0f} behaviours "
         f"for an action in a group, {mean.mean():.1f} on average."
     )
 
@@ -54,7 +59,8 @@ def _poses(arrays: Mapping[str, np.ndarray]) -> Markup:
     box = bounds([arrays["behaviour_poses"]])
     blocks = [_action(arrays, a, box) for a in range(len(arrays["actions"]))]
     lead = (
-        "Each behaviour by the frame that is most typical of it, from the front and from the right; in colour the group, faint the group in "
+        "Each behaviour by the frame that is most typical of it, from the front and from the right; in colour the "
+        "group, faint the group in "
         "other frames of the same behaviour. Behaviours are in order of the share of the action's frames."
     )
     return section("Behaviours as poses", *blocks, lead=lead)
@@ -70,7 +76,9 @@ def _action(arrays: Mapping[str, np.ndarray], action: int, box: tuple[np.ndarray
     return Markup(block.replace("<details>", "<details open>", 1)) if action == 0 else block
 
 
-def behaviours(arrays: Mapping[str, np.ndarray], action: int, group: int, box: tuple[np.ndarray, np.ndarray], most: int) -> Markup:
+def behaviours(
+    arrays: Mapping[str, np.ndarray], action: int, group: int, box: tuple[np.ndarray, np.ndarray], most: int
+) -> Markup:
     """The most frequent behaviours of an action in a group, drawn in a row."""
     ranked = enumerate(_ranked(arrays, action, group)[:most], start=1)
     return element("div", *(_behaviour(arrays, index, rank, group, box) for rank, index in ranked), class_="poses")
@@ -81,7 +89,9 @@ def _ranked(arrays: Mapping[str, np.ndarray], action: int, group: int) -> np.nda
     return mine[np.argsort(-arrays["behaviour_share"][mine], kind="stable")]
 
 
-def _behaviour(arrays: Mapping[str, np.ndarray], index: int, rank: int, group: int, box: tuple[np.ndarray, np.ndarray]) -> Markup:
+def _behaviour(
+    arrays: Mapping[str, np.ndarray], index: int, rank: int, group: int, box: tuple[np.ndarray, np.ndarray]
+) -> Markup:
     poses = [pose for pose in arrays["behaviour_poses"][index] if np.isfinite(pose).any()]
     share = percent(float(arrays["behaviour_share"][index]))
     picked = np.full(len(arrays["parents"]), str(arrays["groups"][group]) in ("body", "motion"))
@@ -112,10 +122,13 @@ def _chains(arrays: Mapping[str, np.ndarray]) -> Markup:
     chains, sweeps = arrays["trace_clusters"].shape[:2]
     many = f"{chains} chains of {sweeps} sweeps each" if chains > 1 else f"One chain of {sweeps} sweeps"
     lead = (
-        f"{many}. Above, the number of clusters along the sweeps of the mixtures that have settled least; below, R-hat (1 when the halves of all "
+        f"{many}. Above, the number of clusters along the sweeps of the mixtures that have settled least; below, R-hat "
+        "(1 when the halves of all "
         "chains agree) and the effective number of independent draws, both of the number of clusters."
     )
-    diagnostics = details("R-hat and effective draws of every mixture", table(("Action", *map(str, arrays["groups"])), rows))
+    diagnostics = details(
+        "R-hat and effective draws of every mixture", table(("Action", *map(str, arrays["groups"])), rows)
+    )
     return section("Chains", element("div", *plots, class_="plots"), diagnostics, lead=lead)
 
 

@@ -24,10 +24,11 @@ def pose_figure(
     box: tuple[np.ndarray, np.ndarray] | None = None,
     height: int = HEIGHT,
 ) -> Markup:
-    """Poses (each (j, 3), turned to face +z, y up) over each other, the first in full and the others faint, front and side by side.
+    """Poses (each (j, 3), turned to face +z, y up) over each other, the first in full and the others faint, front and
+    side by side.
 
-    ``parents`` (j,) has -1 for the root, ``picked`` (j,) is True for the joints of the group. ``box`` holds the least and
-    greatest corner to draw, so that figures side by side have one scale.
+    ``parents`` (j,) has -1 for the root, ``picked`` (j,) is True for the joints of the group. ``box`` holds the least
+    and greatest corner to draw, so that figures side by side have one scale.
     """
     low, high = box or bounds(poses)
     pad = MARGIN * max(float(high[UP] - low[UP]), 1e-6)
@@ -41,7 +42,9 @@ def pose_figure(
         at += scale * (float(high[across] - low[across]) + 2 * pad)
     label = f"{caption}, from the front and from the right"
     drawing = element("svg", *drawings, class_="pose", viewBox=f"0 0 {at:.0f} {height}", role="img", aria_label=label)
-    return element("figure", drawing, element("figcaption", element("b", caption), element("span", note) if note else ""))
+    return element(
+        "figure", drawing, element("figcaption", element("b", caption), element("span", note) if note else "")
+    )
 
 
 def bounds(poses: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

@@ -69,13 +69,17 @@ h3{margin:22px 0 0;font-size:15px;font-weight:650}
 .line.s0{stroke:var(--s0)}.line.s1{stroke:var(--s1)}.line.s2{stroke:var(--s2)}.line.s3{stroke:var(--s3)}.line.s4{stroke:var(--s4)}
 .line.s5{stroke:var(--s5)}
 .dot.s0{fill:var(--s0)}.dot.s1{fill:var(--s1)}.dot.s2{fill:var(--s2)}.dot.s3{fill:var(--s3)}.dot.s4{fill:var(--s4)}.dot.s5{fill:var(--s5)}
-.matrix .inside{font-size:12px;fill:var(--ink);text-anchor:middle;font-variant-numeric:tabular-nums}.matrix .strong{fill:var(--paper)}
+.matrix .inside{font-size:12px;fill:var(--ink);text-anchor:middle;font-variant-numeric:tabular-nums}
+.matrix .strong{fill:var(--paper)}
 .cell{fill:var(--card)}rect.hit{fill:var(--s0)}rect.miss{fill:var(--s1)}rect.true{fill:none;stroke:var(--s1);stroke-width:1.4}
 .plot.wide{max-width:none}.panels{display:flex;flex-wrap:wrap;gap:18px 26px;margin-top:18px}.panels>svg{flex:0 0 auto}
-.poses{display:flex;flex-wrap:wrap;gap:8px 14px;margin-top:8px}.poses figure{flex:0 0 auto}.pose{display:block;height:150px;width:auto}
+.poses{display:flex;flex-wrap:wrap;gap:8px 14px;margin-top:8px}
+.poses figure{flex:0 0 auto}.pose{display:block;height:150px;width:auto}
 .poses figcaption{font-size:12.5px;margin-top:0}.poses figcaption span{font-size:12px}
-.pose path{fill:none;stroke-linecap:round;stroke-linejoin:round}.pose .rest{stroke:var(--soft);stroke-width:2;opacity:.55}
-.pose .group{stroke:var(--s1);stroke-width:3.2}.pose .group.faint{stroke-width:1.6;opacity:.35}.pose .joint{fill:var(--s1)}
+.pose path{fill:none;stroke-linecap:round;stroke-linejoin:round}
+.pose .rest{stroke:var(--soft);stroke-width:2;opacity:.55}
+.pose .group{stroke:var(--s1);stroke-width:3.2}
+.pose .group.faint{stroke-width:1.6;opacity:.35}.pose .joint{fill:var(--s1)}
 details{margin-top:16px}
 summary{cursor:pointer;font-weight:600}
 summary:focus-visible{outline:2px solid var(--accent);outline-offset:3px}

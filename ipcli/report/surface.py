@@ -54,7 +54,9 @@ def oblique(
 
 
 def turned(points: np.ndarray, colours: np.ndarray, canvas: tuple[int, int]) -> np.ndarray:
-    """Points (n, 3) float32 in a camera frame in their colours (n, 3), seen from the turned camera; far outliers left out."""
+    """Points (n, 3) float32 in a camera frame in their colours (n, 3), seen from the turned camera; far outliers left
+    out.
+    """
     low, high = np.percentile(points[::7, 2], (0.5, 99.5))
     margin = 0.3 * (high - low)
     inside = (points[:, 2] >= low - margin) & (points[:, 2] <= high + margin)

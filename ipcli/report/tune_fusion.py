@@ -10,7 +10,8 @@ from ipcli.report import provenance as origin
 from ipcli.report.averages import over_scenes
 from ipcli.report.curves import Series, plot
 from ipcli.report.numbers import number
-from ipcli.report.page import Markup, element, page as document, section, table
+from ipcli.report.page import Markup, element, section, table
+from ipcli.report.page import page as document
 
 WITHIN = 1.1  # times the error at the best lambda is close enough for the automatic one
 
@@ -21,7 +22,10 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     values, automatic = measured(arrays)
     ratios = automatic / values.min(axis=1)
     close = int((ratios <= WITHIN).sum())
-    verdict = f"The automatic λ comes within 10 % of the best λ of the grid for {close} of {len(methods)} methods, in {arrays['measure']}."
+    verdict = (
+        f"The automatic λ comes within 10 % of the best λ of the grid for {close} of {len(methods)} methods, in "
+        f"{arrays['measure']}."
+    )
     several = f"{len(scenes)} scenes ({', '.join(scenes)})" if len(scenes) > 1 else f"the scene {scenes[0]}"
     lead = f"{arrays['measure']}, on average over {several}. Rings: the automatic λ."
     return document(
@@ -29,7 +33,9 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
         "ipcli tune-fusion",
         verdict,
         section("Error against λ", element("div", *plots(arrays, values, automatic), class_="plots"), lead=lead),
-        section("The best and the automatic λ", best_table(arrays, values, automatic), lead=f"On average over {several}."),
+        section(
+            "The best and the automatic λ", best_table(arrays, values, automatic), lead=f"On average over {several}."
+        ),
         origin.origin(provenance),
     )
 
@@ -54,7 +60,9 @@ def plots(arrays: Mapping[str, np.ndarray], values: np.ndarray, automatic: np.nd
             Series(name, arrays["lambdas"], values[m], dots=True, ring=(float(marks[m]), float(automatic[m])))
             for name, m in zip(names, members, strict=True)
         ]
-        drawn.append(plot(lines, family, "λ", str(arrays["measure"]), log_x=True, from_zero=True, width=400, height=260))
+        drawn.append(
+            plot(lines, family, "λ", str(arrays["measure"]), log_x=True, from_zero=True, width=400, height=260)
+        )
     return drawn
 
 
@@ -63,11 +71,26 @@ def best_table(arrays: Mapping[str, np.ndarray], values: np.ndarray, automatic: 
     rows, warn = [], {}
     for m, method in enumerate(map(str, arrays["methods"])):
         least, own = float(values[m].min()), arrays["automatic_lambda"][:, m]
-        span = number(float(own[0])) if np.ptp(own) < 1e-3 * own[0] else f"{number(float(own.min()))} to {number(float(own.max()))}"
+        span = (
+            number(float(own[0]))
+            if np.ptp(own) < 1e-3 * own[0]
+            else f"{number(float(own.min()))} to {number(float(own.max()))}"
+        )
         best = float(arrays["best"][m])
         if best in (arrays["lambdas"][0], arrays["lambdas"][-1]):
             warn[m] = "the best λ lies at an end of the grid"
-        rows.append((method, number(best), number(least), span, number(float(automatic[m])), number(float(automatic[m]) / least, 3)))
+        rows.append(
+            (
+                method,
+                number(best),
+                number(least),
+                span,
+                number(float(automatic[m])),
+                number(float(automatic[m]) / least, 3),
+            )
+        )
     columns = ("", "best λ", f"{arrays['measure']} there", "automatic λ", f"{arrays['measure']} there", "ratio")
-    note = element("p", "Marked rows: the best λ lies at an end of the grid, so a better one may lie beyond.", class_="lead")
+    note = element(
+        "p", "Marked rows: the best λ lies at an end of the grid, so a better one may lie beyond.", class_="lead"
+    )
     return Markup(table(columns, rows, warn=warn) + (note if warn else ""))

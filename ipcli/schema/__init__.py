@@ -1,7 +1,9 @@
-"""Every kind of HDF5 artefact: its fields with dtype, symbolic dims, units and meaning. Checked when written and when read.
+"""Every kind of HDF5 artefact: its fields with dtype, symbolic dims, units and meaning. Checked when written and when
+read.
 
-A symbol in `dims` (h, w, k) must stand for one length throughout an artefact; in a field of a collection ("views/*/depth") it is
-bound anew for each item. `Domain` says which values a number may take. docs/formats.md is `markdown()`.
+A symbol in `dims` (h, w, k) must stand for one length throughout an artefact; in a field of a collection
+("views/*/depth") it is bound anew for each item. `Domain` says which values a number may take. docs/formats.md is
+`markdown()`.
 """
 
 from __future__ import annotations
@@ -63,7 +65,9 @@ def _check_shape(name: str, field: Field, got: tuple[int, ...], item: str, bound
     for dim, length in zip(field.dims, got, strict=True):
         want, where = (dim, "the schema") if isinstance(dim, int) else bound.setdefault((item, dim), (length, name))
         if want != length:
-            raise SchemaError(f"{name}: wrong shape (expected {_dims(field)} with {dim} = {want} as in {where}, got {got})")
+            raise SchemaError(
+                f"{name}: wrong shape (expected {_dims(field)} with {dim} = {want} as in {where}, got {got})"
+            )
 
 
 def _check_values(name: str, field: Field, array: np.ndarray) -> None:
@@ -99,11 +103,16 @@ def markdown() -> str:
         "",
         "Generated from `ipcli/schema/` by `python tools/make_formats.py`; do not edit by hand.",
         "",
-        "Every artefact is an HDF5 file with the root attributes `ipcli_kind`, `ipcli_version` (integer), `provenance` (JSON) and",
-        "`ipcli_complete` = 1. Each dataset carries `units`, `dims`, `description` and `crc32` (of its bytes in C order; of text, of its",
-        "UTF-8 strings each followed by a zero byte). A file of a newer version, with unknown datasets, or with a dataset that breaks a",
-        "rule below is refused. A letter in a shape stands for the same length throughout (within one item where the name holds a `*`).",
-        "Text is UTF-8 of fixed length, padded with zeros. `cam_from_world` maps world points to camera points; cameras look along +z, x right, y down.",
+        "Every artefact is an HDF5 file with the root attributes `ipcli_kind`, `ipcli_version` (integer), "
+        "`provenance` (JSON) and",
+        "`ipcli_complete` = 1. Each dataset carries `units`, `dims`, `description` and `crc32` (of its bytes in C "
+        "order; of text, of its",
+        "UTF-8 strings each followed by a zero byte). A file of a newer version, with unknown datasets, or with a "
+        "dataset that breaks a",
+        "rule below is refused. A letter in a shape stands for the same length throughout (within one item where the "
+        "name holds a `*`).",
+        "Text is UTF-8 of fixed length, padded with zeros. `cam_from_world` maps world points to camera points; "
+        "cameras look along +z, x right, y down.",
     ]
     for kind in KINDS.values():
         lines += ["", f"## `{kind.name}`, version {kind.version}", "", kind.doc, ""]
@@ -117,7 +126,10 @@ def _row(field: Field) -> str:
     rules += [f"one of {', '.join(field.choices)}"] if field.choices else []
     rules += ["optional"] if field.optional else []
     meaning = field.doc + (f" ({'; '.join(rules)})" if rules else "")
-    return f"| `{field.name}` | {field.dtype} | {_dims(field)} | {field.units or '-'} | {meaning.replace('|', chr(92) + '|')} |"
+    return (
+        f"| `{field.name}` | {field.dtype} | {_dims(field)} | {field.units or '-'} | "
+        f"{meaning.replace('|', chr(92) + '|')} |"
+    )
 
 
 VIEWS = Kind(
@@ -126,7 +138,9 @@ VIEWS = Kind(
     "Depth maps with cameras, each of its own size. The items in order of their names are the sequence.",
     (
         Field("views/*/depth", "float32", ("h", "w"), "unit", "Depth along the optical axis", domain=DISTANCE),
-        Field("views/*/intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE),
+        Field(
+            "views/*/intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE
+        ),
         Field("views/*/cam_from_world", "float64", (4, 4), "unit", "Rigid pose, dst_from_src", domain=FINITE),
         Field("views/*/confidence", "float32", ("h", "w"), "1", "Weight of each depth", optional=True, domain=WEIGHT),
         Field("views/*/image", "uint8", ("h", "w", 3), "", "RGB", optional=True),
@@ -152,31 +166,77 @@ DEPTH = Kind(
     (
         Field("depth", "float32", ("h", "w"), "unit", "Fused depth along the optical axis", domain=DISTANCE),
         Field("confidence", "float32", ("h", "w"), "1", "Lambda of (4.3), relative to the noise scale", domain=WEIGHT),
-        Field("uncertainty", "float32", ("h", "w"), "unit", "Error to expect, up to a factor: orders pixels", True, DISTANCE),
-        Field("normals", "float32", ("h", "w", 3), "1", "Unit normals in the camera frame, facing the camera; NaN unknown"),
+        Field(
+            "uncertainty",
+            "float32",
+            ("h", "w"),
+            "unit",
+            "Error to expect, up to a factor: orders pixels",
+            True,
+            DISTANCE,
+        ),
+        Field(
+            "normals", "float32", ("h", "w", 3), "1", "Unit normals in the camera frame, facing the camera; NaN unknown"
+        ),
         Field("observations", "uint16", ("h", "w"), "1", "Observations per pixel; 0: in-painted"),
-        Field("mean", "float32", ("h", "w"), "unit", "Mean of the forward projected observations, a baseline", domain=DISTANCE),
-        Field("median", "float32", ("h", "w"), "unit", "Median of the forward projected observations, a baseline", domain=DISTANCE),
+        Field(
+            "mean",
+            "float32",
+            ("h", "w"),
+            "unit",
+            "Mean of the forward projected observations, a baseline",
+            domain=DISTANCE,
+        ),
+        Field(
+            "median",
+            "float32",
+            ("h", "w"),
+            "unit",
+            "Median of the forward projected observations, a baseline",
+            domain=DISTANCE,
+        ),
         Field("reference", "float32", ("h", "w"), "unit", "Depth of the reference view as given", domain=DISTANCE),
         Field("intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE),
         Field("cam_from_world", "float64", (4, 4), "unit", "Rigid pose, dst_from_src", domain=FINITE),
         Field("image", "uint8", ("h", "w", 3), "", "RGB of the reference view", optional=True),
         Field("truth", "float32", ("h", "w"), "unit", "True depth", optional=True, domain=DISTANCE),
-        Field("noise_scale", "float64", (), "unit, px or 1/unit", "Robust scale of the noise, in the domain", domain=WEIGHT),
+        Field(
+            "noise_scale",
+            "float64",
+            (),
+            "unit, px or 1/unit",
+            "Robust scale of the noise, in the domain",
+            domain=WEIGHT,
+        ),
         Field("views", "str", ("k",), "", "Names of the fused views"),
         Field("view_valid", "float64", ("k",), "1", "Share of the view's pixels that hold data"),
         Field("view_overlap", "float64", ("k",), "1", "Share of the reference pixels that the view hits"),
         Field("view_residual", "float64", ("k",), "unit", "Median of abs(d_k - fused); NaN without overlap"),
         Field("thumbnails", "float32", ("k", "th", "tw"), "unit", "Observations of each view, made small; NaN none"),
-        Field("history", "float64", ("n", 5), "1", "Columns: ACS round, iteration, energy, restricted gap (relative), merit"),
+        Field(
+            "history",
+            "float64",
+            ("n", 5),
+            "1",
+            "Columns: ACS round, iteration, energy, restricted gap (relative), merit",
+        ),
         Field("unit", "str", (), "", "Unit of length of the scene, such as `m`"),
-        Field("domain", "str", (), "", "Quantity that was regularised", choices=("depth", "disparity", "inverse depth")),
+        Field(
+            "domain", "str", (), "", "Quantity that was regularised", choices=("depth", "disparity", "inverse depth")
+        ),
         Field("method", "str", (), "", "Algorithm and regulariser"),
         Field("lambda", "float64", (), "1", "Weight of the data", domain=WEIGHT),
         Field("metrics", "float64", ("m", "c"), "", "Error measures against `truth`; NaN undefined", optional=True),
         Field("metric_rows", "str", ("m",), "", "Result that each row measures", optional=True),
         Field("metric_columns", "str", ("c",), "", "Measure and unit of each column", optional=True),
-        Field("ause", "float64", (), "1", "Area under the sparsification error of `confidence`, in mean errors", optional=True),
+        Field(
+            "ause",
+            "float64",
+            (),
+            "1",
+            "Area under the sparsification error of `confidence`, in mean errors",
+            optional=True,
+        ),
         Field("ause_uncertainty", "float64", (), "1", "The same of `uncertainty`", optional=True),
         Field("ause_angle", "float64", (), "1", "The same of the angle of view (4.35) as a confidence", optional=True),
     ),
@@ -218,16 +278,52 @@ TRIALS = Kind(
     (
         Field("methods", "str", ("m",), "", "Name of the method of each row"),
         Field("rules", "str", ("m",), "", "Where its lambda is from", choices=("none", "automatic", "tuned")),
-        Field("lambdas", "float64", ("m",), "1", "Weight of the data; NaN without", domain=Domain(">= 0, or NaN", 0.0, nan=True)),
+        Field(
+            "lambdas",
+            "float64",
+            ("m",),
+            "1",
+            "Weight of the data; NaN without",
+            domain=Domain(">= 0, or NaN", 0.0, nan=True),
+        ),
         Field("columns", "str", ("c",), "", "Measure and unit of each column"),
         Field("values", "float64", ("m", "c"), "", "Measures; NaN undefined"),
-        Field("kept_error", "float64", ("m", "k"), "mean error", "Mean error of the k/K most confident pixels; NaN without confidence"),
-        Field("kept_error_uncertainty", "float64", ("m", "k"), "mean error", "The same by `uncertainty` of fuse-depth", optional=True),
-        Field("kept_error_angle", "float64", ("m", "k"), "mean error", "The same by the angle of view (4.35)", optional=True),
+        Field(
+            "kept_error",
+            "float64",
+            ("m", "k"),
+            "mean error",
+            "Mean error of the k/K most confident pixels; NaN without confidence",
+        ),
+        Field(
+            "kept_error_uncertainty",
+            "float64",
+            ("m", "k"),
+            "mean error",
+            "The same by `uncertainty` of fuse-depth",
+            optional=True,
+        ),
+        Field(
+            "kept_error_angle",
+            "float64",
+            ("m", "k"),
+            "mean error",
+            "The same by the angle of view (4.35)",
+            optional=True,
+        ),
         Field("least_error", "float64", ("m", "k"), "mean error", "The same of the pixels that err least"),
         Field("maps", "str", ("n",), "", "Method of each map kept, at the automatic lambda"),
-        Field("depth", "float32", ("n", "h", "w"), "unit", "Fused depth; NaN where nothing was observed", domain=DISTANCE),
-        Field("confidence", "float32", ("n", "h", "w"), "1", "Lambda of (4.3), relative to the noise scale; 0 without", domain=WEIGHT),
+        Field(
+            "depth", "float32", ("n", "h", "w"), "unit", "Fused depth; NaN where nothing was observed", domain=DISTANCE
+        ),
+        Field(
+            "confidence",
+            "float32",
+            ("n", "h", "w"),
+            "1",
+            "Lambda of (4.3), relative to the noise scale; 0 without",
+            domain=WEIGHT,
+        ),
         Field("truth", "float32", ("h", "w"), "unit", "True depth", domain=DISTANCE),
         Field("intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE),
         Field("unit", "str", (), "", "Unit of length of the scene, such as `m`"),

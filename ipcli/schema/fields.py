@@ -1,4 +1,6 @@
-"""What a kind of artefact is made of: fields with dtype, symbolic dims, units, meaning, and the values they may take."""
+"""What a kind of artefact is made of: fields with dtype, symbolic dims, units, meaning, and the values they
+may take.
+"""
 
 from __future__ import annotations
 

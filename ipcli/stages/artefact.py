@@ -1,8 +1,8 @@
 """When to make an artefact and how to publish it, for all stages.
 
-Up to date means: the file is there with the digest this run would have, and so are the files beside it. A different file is
-never replaced unasked. All files are written under temporary names and then published at once, the artefact last, so that its
-presence vouches for the others.
+Up to date means: the file is there with the digest this run would have, and so are the files beside it. A different
+file is never replaced unasked. All files are written under temporary names and then published at once, the artefact
+last, so that its presence vouches for the others.
 """
 
 from __future__ import annotations

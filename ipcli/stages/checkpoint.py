@@ -1,4 +1,6 @@
-"""Work in progress: what chains leave in a folder beside an output, so that a run that was killed goes on where it was."""
+"""Work in progress: what chains leave in a folder beside an output, so that a run that was killed goes on
+where it was.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A hidden folder of one file an item, named after the output and the digest of the run: another run takes none of it."""
+    """A hidden folder of one file an item, named after the output and the digest of the run: another run takes none of
+    it.
+    """
 
     folder: Path
 

@@ -29,7 +29,11 @@ def run(files: Sequence[Path], output: Path, params: Params, run: Run) -> Outcom
     """
     from ipcli.stages.artefact import Job, make
 
-    beside = {output.with_suffix(".html"): write_page, output.with_suffix(".csv"): write_csv, output.with_suffix(".json"): write_json}
+    beside = {
+        output.with_suffix(".html"): write_page,
+        output.with_suffix(".csv"): write_csv,
+        output.with_suffix(".json"): write_json,
+    }
     job = Job(output, "comparison", "compare", params, tuple(files), beside)
     return make(job, lambda: comparison(files), run)
 
@@ -45,7 +49,9 @@ def comparison(files: Sequence[Path]) -> dict[str, np.ndarray]:
         for method, values in rows.items():
             known = cells.setdefault((scene, method), values)
             if known is not values and not np.array_equal(known, values, equal_nan=True):
-                raise ParameterError(f"{path}: another file of scene '{scene}' has other figures for '{method}'. Compare one at a time")
+                raise ParameterError(
+                    f"{path}: another file of scene '{scene}' has other figures for '{method}'. Compare one at a time"
+                )
     scenes, methods = (list(dict.fromkeys(names)) for names in zip(*cells, strict=True))
     nothing = np.full(len(columns), np.nan)
     values = np.array([[cells.get((scene, method), nothing) for method in methods] for scene in scenes])
@@ -71,7 +77,9 @@ def of_fused_map(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
     arrays, lam = artefact.arrays, artefact.provenance["params"]["fusion"]["lam"]
     if "metrics" not in arrays:
         raise FormatError(path, "holds no error measures", fix="Fuse views whose reference has a truth")
-    own = str(arrays["method"]) if lam is None else f"{arrays['method']}, λ = {lam:g}"  # the automatic λ is part of the method
+    own = (
+        str(arrays["method"]) if lam is None else f"{arrays['method']}, λ = {lam:g}"
+    )  # the automatic λ is part of the method
     names = (str(name).replace("fused", own) for name in arrays["metric_rows"])
     return [str(name) for name in arrays["metric_columns"]], dict(zip(names, arrays["metrics"], strict=True))
 
@@ -119,5 +127,10 @@ def write_json(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping
     for scene, table in zip(arrays["scenes"], arrays["values"].tolist(), strict=True):
         for method, values in zip(arrays["methods"], table, strict=True):
             known = (value if math.isfinite(value) else None for value in values)
-            rows.append({"scene": str(scene), "method": str(method)} | dict(zip(map(str, arrays["columns"]), known, strict=True)))
-    atomic.write_text(path, json.dumps({"digest": provenance.get("digest"), "rows": rows}, indent=1, ensure_ascii=False) + "\n")
+            rows.append(
+                {"scene": str(scene), "method": str(method)}
+                | dict(zip(map(str, arrays["columns"]), known, strict=True))
+            )
+    atomic.write_text(
+        path, json.dumps({"digest": provenance.get("digest"), "rows": rows}, indent=1, ensure_ascii=False) + "\n"
+    )

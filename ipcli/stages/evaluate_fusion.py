@@ -1,4 +1,6 @@
-"""evaluate-fusion: a scene with known truth -> the errors of every method, at the automatic lambda and at the tuned one."""
+"""evaluate-fusion: a scene with known truth -> the errors of every method, at the automatic lambda and at the tuned
+one.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,12 @@ if TYPE_CHECKING:
 
 POINTS = 40  # of a sparsification curve
 AREAS = ("AUSE confidence", "AUSE uncertainty", "AUSE angle")
-CURVES = ("kept_error", "kept_error_uncertainty", "kept_error_angle", "least_error")  # the order of pixels that each goes by: those of AREAS, the best
+CURVES = (
+    "kept_error",
+    "kept_error_uncertainty",
+    "kept_error_angle",
+    "least_error",
+)  # the order of pixels that each goes by: those of AREAS, the best
 GIVEN = ("reference", "mean", "median")  # what a fusion starts from: no lambda, and the same for every method
 
 
@@ -29,7 +36,9 @@ class Params(Trials):
     """Which maps to keep beside the figures."""
 
     keep: tuple[str, ...] = option(
-        ("tgv-l1", "l1-heuristic", "l1-adapt", "adapt-hprior"), "Methods whose maps are kept, to be looked at.", flag="--keep"
+        ("tgv-l1", "l1-heuristic", "l1-adapt", "adapt-hprior"),
+        "Methods whose maps are kept, to be looked at.",
+        flag="--keep",
     )
 
 
@@ -51,7 +60,9 @@ def run(
     tuning: Path | None = None,
     progress: Callable[[float, str], None] = lambda share, what: None,
 ) -> Outcome:
-    """Write the `trials` artefact and beside it a page (.html). Methods that `tuning` has not are not shown at a tuned lambda."""
+    """Write the `trials` artefact and beside it a page (.html). Methods that `tuning` has not are not shown at a tuned
+    lambda.
+    """
     from ipcli.stages.artefact import Job, make
 
     if params.fusion.lam is not None:
@@ -88,7 +99,9 @@ def trials(
     }
 
 
-def fused_rows(scene: Scene, params: Params, lambdas: Mapping[str, float], progress: Callable[[float, str], None]) -> list[Row]:
+def fused_rows(
+    scene: Scene, params: Params, lambdas: Mapping[str, float], progress: Callable[[float, str], None]
+) -> list[Row]:
     """The maps that are given, then every method by the automatic lambda and by the tuned one."""
     tasks: list[tuple[Variant, str, float | None]] = []
     for variant in params.variants:
@@ -132,8 +145,13 @@ def sparsified(row: Row, rows: list[Row], reference: View) -> tuple[list[float],
         return [float("nan")] * len(AREAS), np.full((len(CURVES), POINTS), np.nan)
     common = np.isfinite(reference.truth) & np.isfinite([other.found.depth for other in rows]).all(axis=0)
     error = np.abs(found.depth - reference.truth)[common].astype(np.float64)
-    trusted = [image[common] for image in (found.confidence, -found.uncertainty, view_angle(found.depth, reference.intrinsics))]
-    curves = [np.interp(shares(), *sparsification(error, key, POINTS)) / error.mean() for key in (*(-t for t in trusted), error)]
+    trusted = [
+        image[common] for image in (found.confidence, -found.uncertainty, view_angle(found.depth, reference.intrinsics))
+    ]
+    curves = [
+        np.interp(shares(), *sparsification(error, key, POINTS)) / error.mean()
+        for key in (*(-t for t in trusted), error)
+    ]
     return [ause(t, error) for t in trusted], np.stack(curves)
 
 

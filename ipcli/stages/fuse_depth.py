@@ -1,4 +1,6 @@
-"""fuse-depth: depth maps of several views -> one depth map of a reference camera with its confidence (thesis chapter 4)."""
+"""fuse-depth: depth maps of several views -> one depth map of a reference camera with its confidence (thesis chapter
+4).
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ class Params:
 
     reference: str | None = option(None, "View to fuse into; the middle one if not given.", flag="--reference")
     camera: str | None = option(
-        None, "TOML file of a camera to fuse into instead; the reference is then but the middle of the window.", flag="--camera"
+        None,
+        "TOML file of a camera to fuse into instead; the reference is then but the middle of the window.",
+        flag="--camera",
     )
     window: int = option(0, "Views to fuse around the reference; 0: all.", flag="--window", low=0)
     every: bool = option(False, "Fuse into every view in turn; the output is a folder.", flag="--all")
@@ -54,7 +58,9 @@ def run(
     run: Run,
     progress: Callable[[float, str], None] = lambda share, what: None,
 ) -> Outcome:
-    """Write the fused map and beside it a mesh (.ply) and a report (.html). NoSolution if no view overlaps the reference."""
+    """Write the fused map and beside it a mesh (.ply) and a report (.html). NoSolution if no view overlaps the
+    reference.
+    """
     if params.every or params.step != 1:
         raise ParameterError("--step goes with --all, which fuses into a folder")
     beside = {output.with_suffix(".ply"): write_mesh, output.with_suffix(".html"): write_report}
@@ -66,7 +72,8 @@ def run_all(
 ) -> dict[Path, Outcome]:
     """Write FOLDER/NAME.fused.h5 for every view, or every `step`-th, each the same as `run` would for that reference.
 
-    Those that are there already, made from the same, are left alone. Raises ItemsFailed at the end when some views failed.
+    Those that are there already, made from the same, are left alone. Raises ItemsFailed at the end when some views
+    failed.
     """
     from ipcli.executor import map_items
 
@@ -136,11 +143,17 @@ def fused_artefact(
     if any(others) and not (table["view_overlap"][others] > LEAST_OVERLAP).any():
         raise NoSolution(no_overlap(reference.name, table, sequence.unit))
     progress(0.9, "writing")
-    return described(fused, reference, sequence, domain, params) | table | judged(fused, reference, sequence.baseline_focal)
+    return (
+        described(fused, reference, sequence, domain, params)
+        | table
+        | judged(fused, reference, sequence.baseline_focal)
+    )
 
 
 class Loading(Sequence):
-    """The views of these names (K), each read when it is asked for; without pictures, but for the reference, which is at hand."""
+    """The views of these names (K), each read when it is asked for; without pictures, but for the reference, which is
+    at hand.
+    """
 
     def __init__(self, sequence: Views, names: Sequence[str], reference: View):
         self.sequence, self.names, self.reference = sequence, names, reference
@@ -183,7 +196,9 @@ def described(fused: Fused, reference: View, sequence: Views, domain: str, param
 
 
 def view_table(fused: Fused, names: Sequence[str], views: Sequence[View]) -> dict[str, np.ndarray]:
-    """What each view gave: its valid share, the share of the reference it reached and how far it is from the fused map."""
+    """What each view gave: its valid share, the share of the reference it reached and how far it is from the
+    fused map.
+    """
     import numpy as np
 
     from ipcli.kernels import threads
@@ -207,8 +222,8 @@ def view_table(fused: Fused, names: Sequence[str], views: Sequence[View]) -> dic
 def judged(fused: Fused, reference: View, baseline_focal: float | None) -> dict[str, np.ndarray]:
     """Errors of the reference view, mean, median and fused map, if the truth is known.
 
-    The fused map counts where something was observed, as the others do, and once more with what it in-painted. Whether its
-    confidence knows where it errs is told beside what the mere angle of view (4.35) would know.
+    The fused map counts where something was observed, as the others do, and once more with what it in-painted. Whether
+    its confidence knows where it errs is told beside what the mere angle of view (4.35) would know.
     """
     if reference.truth is None:
         return {}
@@ -240,15 +255,20 @@ def judged(fused: Fused, reference: View, baseline_focal: float | None) -> dict[
 def no_overlap(reference: str, table: Mapping[str, np.ndarray], unit: str) -> str:
     """Why nothing could be fused, view by view."""
     views = zip(table["views"], table["view_valid"], table["view_overlap"], strict=True)
-    each = "; ".join(f"{name}: {100 * valid:.0f} % valid, reaches {100 * overlap:.1f} %" for name, valid, overlap in views)
+    each = "; ".join(
+        f"{name}: {100 * valid:.0f} % valid, reaches {100 * overlap:.1f} %" for name, valid, overlap in views
+    )
     return (
-        f"no view overlaps the reference view {reference!r} ({each}). Check the direction of the poses and that depth and "
+        f"no view overlaps the reference view {reference!r} ({each}). Check the direction of the poses and that depth "
+        "and "
         f"translation are both in {unit}"
     )
 
 
 def write_mesh(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """The surface in world coordinates with normals, colours, confidence and observations; only where there were observations."""
+    """The surface in world coordinates with normals, colours, confidence and observations; only where there were
+    observations.
+    """
     import numpy as np
 
     from ipcli.geometry.cameras import back_project, transform

@@ -23,12 +23,18 @@ USUAL = (0.5, 3.5)  # metres a whole body spans; outside a wrong unit is more li
 
 @dataclass(frozen=True)
 class Source:
-    """What the files do not say; each is refused where the format has no use for it, and None leaves the format's own default."""
+    """What the files do not say; each is refused where the format has no use for it, and None leaves the format's own
+    default.
+    """
 
     format: str = option("auto", "Layout: auto, clips, florence3d, utkinect or files.", flag="--format")
-    unit: str | None = option(None, "Unit of length of the files: m, cm, mm, inch, or metres as a number.", flag="--unit")
+    unit: str | None = option(
+        None, "Unit of length of the files: m, cm, mm, inch, or metres as a number.", flag="--unit"
+    )
     up: str | None = option(None, "Axis of the files that points up.", flag="--up", choices=("x", "y", "z"))
-    source_rate: float | None = option(None, "Rate of files that do not say it.", flag="--source-rate", low=0.0, unit="Hz")
+    source_rate: float | None = option(
+        None, "Rate of files that do not say it.", flag="--source-rate", low=0.0, unit="Hz"
+    )
     manifest: str | None = option(None, "CSV file: path,label,actor[,start,stop,name,split].", flag="--manifest")
 
 
@@ -48,13 +54,17 @@ def run(
     run: Run,
     progress: Callable[[float, str], None] = lambda share, name: None,
 ) -> Outcome:
-    """Write the artefact. Raises what io.clips.open_clips raises, and ParameterError for an action that is not there."""
+    """Write the artefact. Raises what io.clips.open_clips raises, and ParameterError for an action that is
+    not there.
+    """
     from ipcli.geometry.motion import resample_clip
     from ipcli.io import clips as io
     from ipcli.stages.artefact import Job, make
 
     if output.resolve().is_relative_to(source.resolve()) and source.is_dir():
-        raise ParameterError(f"{output}: lies in the source. Write it elsewhere, or the source is another one the next time")
+        raise ParameterError(
+            f"{output}: lies in the source. Write it elsewhere, or the source is another one the next time"
+        )
 
     def build() -> dict[str, np.ndarray]:
         clips = open_source(source, params.source)
@@ -100,4 +110,8 @@ def _mind_the_size(source: Path, clips: list) -> None:
         raise FormatError(source, "no clips", fix="Check the folder")
     size = float(np.nanmedian([span(clip.motion.positions) for clip in clips]))
     if not USUAL[0] <= size <= USUAL[1]:
-        log.warning("%s: the bodies span %.2g m. If that is not their size, give the unit of the files with --unit", source, size)
+        log.warning(
+            "%s: the bodies span %.2g m. If that is not their size, give the unit of the files with --unit",
+            source,
+            size,
+        )

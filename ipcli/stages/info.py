@@ -15,7 +15,9 @@ def run(path: Path) -> dict[str, Any]:
     """
     describe = {".ply": _ply, ".h5": _artefact}.get(path.suffix.lower())
     if describe is None:
-        raise FormatError(path, "not a file that info describes", expected=".h5 or .ply", got=path.suffix or "no suffix")
+        raise FormatError(
+            path, "not a file that info describes", expected=".h5 or .ply", got=path.suffix or "no suffix"
+        )
     return {"file": str(path)} | describe(path)
 
 
@@ -31,5 +33,7 @@ def _ply(path: Path) -> dict[str, Any]:
     from ipcli.io import ply
 
     header = ply.header(path)
-    elements = {name: {"count": count, "properties": dict(properties)} for name, (count, properties) in header.elements.items()}
+    elements = {
+        name: {"count": count, "properties": dict(properties)} for name, (count, properties) in header.elements.items()
+    }
     return {"kind": "ply", "format": header.format, "elements": elements, "comments": list(header.comments)}

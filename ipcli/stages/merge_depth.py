@@ -18,7 +18,17 @@ if TYPE_CHECKING:
     from ipcli.models.fusion.merge import Cloud, FusedMap
     from ipcli.stages.artefact import Outcome
 
-NEEDED = {"depth", "confidence", "normals", "observations", "intrinsics", "cam_from_world", "image", "view_residual", "domain"}
+NEEDED = {
+    "depth",
+    "confidence",
+    "normals",
+    "observations",
+    "intrinsics",
+    "cam_from_world",
+    "image",
+    "view_residual",
+    "domain",
+}
 SPARE = 8  # maps held beyond the neighbours of one
 
 
@@ -30,14 +40,18 @@ class Params:
 
 
 def run(files: Sequence[Path], output: Path, params: Params, run: Run) -> Outcome:
-    """Write the artefact X.h5, the cloud X.ply and the page X.html for an output X.ply or X.h5; files count in order of their paths.
+    """Write the artefact X.h5, the cloud X.ply and the page X.html for an output X.ply or X.h5; files count in order of
+    their paths.
 
-    Raises ParameterError for another suffix, FormatError when files differ in unit, NoSolution when no point is confirmed.
+    Raises ParameterError for another suffix, FormatError when files differ in unit, NoSolution when no point is
+    confirmed.
     """
     from ipcli.stages.artefact import Job, make
 
     if output.suffix not in (".ply", ".h5"):
-        raise ParameterError(f"{output}: a cloud is written as X.ply (with X.h5 beside it); got the suffix '{output.suffix}'")
+        raise ParameterError(
+            f"{output}: a cloud is written as X.ply (with X.h5 beside it); got the suffix '{output.suffix}'"
+        )
     inputs = tuple(sorted(set(files)))
     beside = {output.with_suffix(".ply"): write_cloud, output.with_suffix(".html"): write_page}
     job = Job(output.with_suffix(".h5"), "cloud", "merge-depth", params, inputs, beside)
@@ -75,7 +89,9 @@ def read_unit(files: Sequence[Path]) -> str:
     for path in others:
         got = str(h5.read(path, "depth", only=lambda name: name == "unit").arrays["unit"])
         if got != unit:
-            raise FormatError(path, f"has another unit than {first}", expected=unit, got=got, fix="Fuse all in one unit")
+            raise FormatError(
+                path, f"has another unit than {first}", expected=unit, got=got, fix="Fuse all in one unit"
+            )
     return unit
 
 

@@ -1,4 +1,6 @@
-"""mocap-classify: the action of clips, of handfuls of their frames in no order, or along long takes (thesis 5.10, 5.11)."""
+"""mocap-classify: the action of clips, of handfuls of their frames in no order, or along long takes (thesis 5.10,
+5.11).
+"""
 
 from __future__ import annotations
 
@@ -27,12 +29,25 @@ NONE = "none"
 class Params:
     """What is asked about, and how the answers of frames and groups make one."""
 
-    actors: tuple[str, ...] = option((), "ask about clips of these people only, with commas; none given: of all", flag="--actors")
-    unordered: int = option(0, "ask about so many frames of each clip, drawn at random, by their poses alone; 0: about all", flag="--unordered", low=0)
+    actors: tuple[str, ...] = option(
+        (), "ask about clips of these people only, with commas; none given: of all", flag="--actors"
+    )
+    unordered: int = option(
+        0,
+        "ask about so many frames of each clip, drawn at random, by their poses alone; 0: about all",
+        flag="--unordered",
+        low=0,
+    )
     handfuls: int = option(1, "so many such draws from each clip", flag="--handfuls", low=1)
-    window: float | None = option(None, "ask about a window of that length along each clip", flag="--window", low=0.0, unit="s")
-    step: float | None = option(None, "from one window to the next; a quarter of the window if not given", flag="--step", low=0.0, unit="s")
-    motion: bool = option(True, "use how the parts move, where the model knows; else poses alone, in any order", flag="--motion")
+    window: float | None = option(
+        None, "ask about a window of that length along each clip", flag="--window", low=0.0, unit="s"
+    )
+    step: float | None = option(
+        None, "from one window to the next; a quarter of the window if not given", flag="--step", low=0.0, unit="s"
+    )
+    motion: bool = option(
+        True, "use how the parts move, where the model knows; else poses alone, in any order", flag="--motion"
+    )
     none: bool = option(True, "allow the answer that it is none of the actions", flag="--none")
     reading: Reading = field(default_factory=Reading)
     decision: Decision = field(default_factory=Decision)
@@ -48,12 +63,18 @@ class Queries(NamedTuple):
 
 
 def run(
-    model: Path, paths: Sequence[Path], output: Path, params: Params, run: Run, progress: Progress = lambda share, what: None
+    model: Path,
+    paths: Sequence[Path],
+    output: Path,
+    params: Params,
+    run: Run,
+    progress: Progress = lambda share, what: None,
 ) -> Outcome:
-    """Write the answers and beside them a page (.html) and a table (.csv): of segments with --window, else of the queries.
+    """Write the answers and beside them a page (.html) and a table (.csv): of segments with --window, else of the
+    queries.
 
-    Raises ParameterError for --window together with --unordered, FormatError for clips of another skeleton than the model's, NoSolution
-    when no frame of any clip shows a group of joints whole.
+    Raises ParameterError for --window together with --unordered, FormatError for clips of another skeleton than the
+    model's, NoSolution when no frame of any clip shows a group of joints whole.
     """
     from ipcli.stages.artefact import Job, make
 
@@ -70,14 +91,29 @@ def answers(output: Path) -> list[dict[str, Any]]:
 
     found = h5.read(output, "recognition").arrays
     columns = ("clips", "answers", "surprise", "frames")
-    rows = zip(*(found[name].tolist() for name in columns), found["posterior"].max(axis=1).tolist(), found["times"].tolist(), strict=True)
+    rows = zip(
+        *(found[name].tolist() for name in columns),
+        found["posterior"].max(axis=1).tolist(),
+        found["times"].tolist(),
+        strict=True,
+    )
     return [
-        {"clip": clip, "start": times[0], "end": times[1], "answer": answer, "posterior": share, "surprise": surprise, "frames": frames}
+        {
+            "clip": clip,
+            "start": times[0],
+            "end": times[1],
+            "answer": answer,
+            "posterior": share,
+            "surprise": surprise,
+            "frames": frames,
+        }
         for clip, answer, surprise, frames, share, times in rows
     ]
 
 
-def recognised(path: Path, paths: Sequence[Path], params: Params, seed: int, progress: Progress) -> dict[str, np.ndarray]:
+def recognised(
+    path: Path, paths: Sequence[Path], params: Params, seed: int, progress: Progress
+) -> dict[str, np.ndarray]:
     """The arrays of the `recognition` artefact."""
     import numpy as np
 
@@ -93,10 +129,14 @@ def recognised(path: Path, paths: Sequence[Path], params: Params, seed: int, pro
     if params.unordered or not params.motion:
         density = recognition.poses_alone(model, density)
     if not np.isfinite(density).any():
-        raise NoSolution(f"{paths[0]}: no frame shows any group of joints whole. The model needs {', '.join(model.groups)}")
+        raise NoSolution(
+            f"{paths[0]}: no frame shows any group of joints whole. The model needs {', '.join(model.groups)}"
+        )
     progress(0.7, "answers")
     queries = posed(known, params, seed)
-    posterior, surprise = (f(model, density, params.decision) for f in (recognition.frame_posteriors, recognition.surprises))
+    posterior, surprise = (
+        f(model, density, params.decision) for f in (recognition.frame_posteriors, recognition.surprises)
+    )
     limit = recognition.threshold(stored.arrays["surprise"], params.decision) if params.none else np.inf
     rows, count = queries.rows, len(queries.clip)
     told = recognition.answer(posterior[rows], surprise[rows], queries.query, count, params.decision, limit)
@@ -133,10 +173,18 @@ def posed(known: Motions, params: Params, seed: int) -> Queries:
         return _windows(known, params.window, params.step or params.window / 4)
     if not params.unordered:
         return Queries(np.arange(len(clip)), clip, np.arange(len(lengths)), whole)
-    drawn = [recognition.handfuls(clip, params.unordered, stream(seed, "mocap-classify", str(n))) for n in range(params.handfuls)]
+    drawn = [
+        recognition.handfuls(clip, params.unordered, stream(seed, "mocap-classify", str(n)))
+        for n in range(params.handfuls)
+    ]
     query = [clip[rows] + n * len(lengths) for n, rows in enumerate(drawn)]
     repeats = params.handfuls
-    return Queries(np.concatenate(drawn), np.concatenate(query), np.tile(np.arange(len(lengths)), repeats), np.tile(whole, (repeats, 1)))
+    return Queries(
+        np.concatenate(drawn),
+        np.concatenate(query),
+        np.tile(np.arange(len(lengths)), repeats),
+        np.tile(whole, (repeats, 1)),
+    )
 
 
 def _rates(known: Motions) -> np.ndarray:
@@ -176,7 +224,9 @@ def described(known: Motions, queries: Queries, told: Any, model: Model) -> dict
 
 
 def group_shares(density: np.ndarray, rows: np.ndarray, query: np.ndarray, told: Any) -> np.ndarray:
-    """Posterior (q, g) of the best action of each query by each group alone, the mean over the frames that show it; NaN without any."""
+    """Posterior (q, g) of the best action of each query by each group alone, the mean over the frames that show it; NaN
+    without any.
+    """
     import numpy as np
 
     from ipcli.models.mocap import recognition
@@ -184,7 +234,10 @@ def group_shares(density: np.ndarray, rows: np.ndarray, query: np.ndarray, told:
     best = told.posterior.argmax(axis=1)[query]
     share = np.exp(recognition.group_posteriors(density)[rows, best])
     seen = np.isfinite(share)
-    sums = [np.bincount(query[s], weights=column[s], minlength=len(told.frames)) for column, s in zip(share.T, seen.T, strict=True)]
+    sums = [
+        np.bincount(query[s], weights=column[s], minlength=len(told.frames))
+        for column, s in zip(share.T, seen.T, strict=True)
+    ]
     counts = [np.bincount(query[s], minlength=len(told.frames)) for s in seen.T]
     with np.errstate(invalid="ignore"):
         return np.stack(sums, axis=1) / np.stack(counts, axis=1)
@@ -206,7 +259,10 @@ def segmented(known: Motions, arrays: Mapping[str, np.ndarray], queries: Queries
     """Windows of one answer in a row as segments; they meet half-way between the middles of the windows."""
     import numpy as np
 
-    rows, shares = [], np.where(arrays["answers"] == NONE, 1 - arrays["posterior"].max(axis=1), arrays["posterior"].max(axis=1))
+    rows, shares = (
+        [],
+        np.where(arrays["answers"] == NONE, 1 - arrays["posterior"].max(axis=1), arrays["posterior"].max(axis=1)),
+    )
     for index, clip in enumerate(known.clips):
         mine = np.flatnonzero(queries.clip == index)
         middle = queries.times[mine].mean(axis=1)
@@ -216,7 +272,12 @@ def segmented(known: Motions, arrays: Mapping[str, np.ndarray], queries: Queries
             share = float(shares[mine[first:last]].mean())
             rows.append((clip.name, edges[[first, last]], str(arrays["answers"][mine[first]]), share))
     clips, times, names, share = zip(*rows, strict=True)
-    found = {"clip": np.array(clips, np.str_), "time": np.array(times), "answer": np.array(names, np.str_), "posterior": np.array(share)}
+    found = {
+        "clip": np.array(clips, np.str_),
+        "time": np.array(times),
+        "answer": np.array(names, np.str_),
+        "posterior": np.array(share),
+    }
     return {f"segment_{key}": value for key, value in found.items()} | truth_segments(known)
 
 
@@ -264,7 +325,9 @@ def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
     kind = "segment_" if "segment_clip" in arrays else ""
-    clips, times, names = (arrays[kind + name] for name in (("clip", "time", "answer") if kind else ("clips", "times", "answers")))
+    clips, times, names = (
+        arrays[kind + name] for name in (("clip", "time", "answer") if kind else ("clips", "times", "answers"))
+    )
     shares = arrays["segment_posterior"] if kind else arrays["posterior"].max(axis=1)
     lines.writerow(["clip", "start_s", "end_s", "action", "posterior"])
     for clip, (start, end), name, share in zip(clips, times, names, shares, strict=True):

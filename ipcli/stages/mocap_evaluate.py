@@ -1,4 +1,6 @@
-"""mocap-evaluate: how often a model that learnt from a part of the clips names the others right, for all splits of a protocol."""
+"""mocap-evaluate: how often a model that learnt from a part of the clips names the others right, for all splits of a
+protocol.
+"""
 
 from __future__ import annotations
 
@@ -36,13 +38,26 @@ SPLITS = {
 class Params:
     """How the clips are parted, and how is learnt and recognised."""
 
-    split: str = option("subjects", "how to part the clips: by subjects, at random by clips or frames, ...", flag="--split", choices=tuple(SPLITS))
-    test: tuple[str, ...] = option((), "people to recognise with --split subjects; none given: every other one", flag="--test")
-    only: tuple[str, ...] = option((), "of the published splits, only these, with commas; none given: all", flag="--only")
-    actors: tuple[str, ...] = option((), "take clips of these people only, with commas; none given: of all", flag="--actors")
+    split: str = option(
+        "subjects",
+        "how to part the clips: by subjects, at random by clips or frames, ...",
+        flag="--split",
+        choices=tuple(SPLITS),
+    )
+    test: tuple[str, ...] = option(
+        (), "people to recognise with --split subjects; none given: every other one", flag="--test"
+    )
+    only: tuple[str, ...] = option(
+        (), "of the published splits, only these, with commas; none given: all", flag="--only"
+    )
+    actors: tuple[str, ...] = option(
+        (), "take clips of these people only, with commas; none given: of all", flag="--actors"
+    )
     actions: tuple[str, ...] = option((), "take these actions only, with commas; none given: all", flag="--actions")
     repeats: int = option(1, "random splits by clips or frames, each drawn anew", flag="--repeats", low=1)
-    handfuls: tuple[int, ...] = option((20, 5, 1), "unordered frames of a clip to ask about together", flag="--handfuls", low=1)
+    handfuls: tuple[int, ...] = option(
+        (20, 5, 1), "unordered frames of a clip to ask about together", flag="--handfuls", low=1
+    )
     draws: int = option(3, "handfuls of each size from each clip", low=1)
     groups: str = option("auto", "groups of joints: auto, the name of shipped ones, or a TOML file", flag="--groups")
     reading: Reading = field(default_factory=Reading)
@@ -50,7 +65,9 @@ class Params:
     decision: Decision = field(default_factory=Decision)
 
 
-def run(paths: Sequence[Path], output: Path, params: Params, run: Run, progress: Progress = lambda share, what: None) -> Outcome:
+def run(
+    paths: Sequence[Path], output: Path, params: Params, run: Run, progress: Progress = lambda share, what: None
+) -> Outcome:
     """Write what was answered and beside it a page (.html). A run that was killed goes on where its chains were.
 
     Raises ParameterError for a split that leaves nothing on one side, and what motions.read raises.
@@ -69,14 +86,18 @@ def run(paths: Sequence[Path], output: Path, params: Params, run: Run, progress:
     return outcome
 
 
-def evaluation(paths: Sequence[Path], params: Params, run: Run, work: Checkpoint, progress: Progress) -> dict[str, np.ndarray]:
+def evaluation(
+    paths: Sequence[Path], params: Params, run: Run, work: Checkpoint, progress: Progress
+) -> dict[str, np.ndarray]:
     """The arrays of the `evaluation` artefact."""
     import numpy as np
 
     known = chosen(motions.read(paths, params.reading, params.groups), params)
     names, actions = numbered(known.labels)
     if len(names) < 2:
-        raise ParameterError(f"{paths[0]}: {len(names)} actions have labels; there is nothing to tell apart. Give clips of at least two")
+        raise ParameterError(
+            f"{paths[0]}: {len(names)} actions have labels; there is nothing to tell apart. Give clips of at least two"
+        )
     splits = parted(known, params, run.seed)
     taught = motions.to_learn(known, params.learning.mirror)
     lessons = {split.name: lesson(known, taught, split, names, actions, params, run.seed) for split in splits}
@@ -86,16 +107,28 @@ def evaluation(paths: Sequence[Path], params: Params, run: Run, work: Checkpoint
     for split in splits:
         own = {cell: fitted[f"{split.name}: {cell}"] for cell in lessons[split.name].cells}
         tables.append(asked(known, split, actions, lessons[split.name], own, params, run.seed))
-    found = {key: np.stack([table[key] for table in tables]) for key in tables[0] if not key.startswith("clip_") and key != "clips"}
-    each = {key: np.concatenate([table[key] for table in tables]) for key in tables[0] if key.startswith("clip_") or key == "clips"}
-    return found | each | {
-        "split": np.array(params.split),
-        "splits": np.array([split.name for split in splits], np.str_),
-        "classes": np.array(names, np.str_),
-        "groups": np.array(list(next(iter(lessons.values())).projections), np.str_),
-        "handfuls": np.array(params.handfuls, np.int64),
-        "clip_split": np.repeat(np.arange(len(splits)), [len(table["clips"]) for table in tables]),
+    found = {
+        key: np.stack([table[key] for table in tables])
+        for key in tables[0]
+        if not key.startswith("clip_") and key != "clips"
     }
+    each = {
+        key: np.concatenate([table[key] for table in tables])
+        for key in tables[0]
+        if key.startswith("clip_") or key == "clips"
+    }
+    return (
+        found
+        | each
+        | {
+            "split": np.array(params.split),
+            "splits": np.array([split.name for split in splits], np.str_),
+            "classes": np.array(names, np.str_),
+            "groups": np.array(list(next(iter(lessons.values())).projections), np.str_),
+            "handfuls": np.array(params.handfuls, np.int64),
+            "clip_split": np.repeat(np.arange(len(splits)), [len(table["clips"]) for table in tables]),
+        }
+    )
 
 
 def parted(known: Motions, params: Params, seed: int) -> list[Split]:
@@ -129,9 +162,17 @@ def published(splits: Mapping[str, np.ndarray], only: Sequence[str]) -> dict[str
 
 
 def lesson(
-    known: Motions, taught: Motions, split: Split, names: tuple[str, ...], actions: np.ndarray, params: Params, seed: int
+    known: Motions,
+    taught: Motions,
+    split: Split,
+    names: tuple[str, ...],
+    actions: np.ndarray,
+    params: Params,
+    seed: int,
 ) -> Lesson:
-    """What a split learns from, mirror images included if `taught` has them; the common skeleton too is that of its people alone."""
+    """What a split learns from, mirror images included if `taught` has them; the common skeleton too is that of its
+    people alone.
+    """
     import numpy as np
 
     features = motions.features(taught, skeleton_of(known, split), params.learning.features)
@@ -149,7 +190,13 @@ def skeleton_of(known: Motions, split: Split) -> np.ndarray:
 
 
 def asked(
-    known: Motions, split: Split, actions: np.ndarray, lesson: Lesson, fitted: Mapping[str, Any], params: Params, seed: int
+    known: Motions,
+    split: Split,
+    actions: np.ndarray,
+    lesson: Lesson,
+    fitted: Mapping[str, Any],
+    params: Params,
+    seed: int,
 ) -> dict[str, np.ndarray]:
     """Right and wrong answers to the test part of one split."""
     import numpy as np
@@ -162,23 +209,36 @@ def asked(
     density = recognition.log_densities(model, {group: x[rows] for group, x in features.items()})
     by_group = recognition.group_posteriors(density)
     both = {"": density, "pose_": recognition.poses_alone(model, density)}
-    asks = {kind: Questions.of(known, rows, actions[rows], recognition.frame_posteriors(model, d, params.decision)) for kind, d in both.items()}
+    asks = {
+        kind: Questions.of(known, rows, actions[rows], recognition.frame_posteriors(model, d, params.decision))
+        for kind, d in both.items()
+    }
     found = {f"{kind}frame_confusion": one.frames() for kind, one in asks.items()}
     found |= {f"{kind}sequence_confusion": one.sequences(params.decision) for kind, one in asks.items()}
-    return found | asks[""].clips(known, params.decision) | {
-        "handful_confusion": handfuls(asks["pose_"], params, seed, split.name),
-        "train_clips": np.int64(len(np.unique(known.clip[split.train]))),
-        "train_frames": np.int64(split.train.sum()),
-        "test_clips": np.int64(len(np.unique(known.clip[rows]))),
-        "test_frames": np.int64(len(rows)),
-        "group_frame_accuracy": np.array([group_accuracy(by_group[:, :, g], actions[rows]) for g in range(len(model.groups))]),
-        "components": np.array([counted(one) for one in fitted.values()]).reshape(len(model.actions), len(model.groups), 3),
-    }
+    return (
+        found
+        | asks[""].clips(known, params.decision)
+        | {
+            "handful_confusion": handfuls(asks["pose_"], params, seed, split.name),
+            "train_clips": np.int64(len(np.unique(known.clip[split.train]))),
+            "train_frames": np.int64(split.train.sum()),
+            "test_clips": np.int64(len(np.unique(known.clip[rows]))),
+            "test_frames": np.int64(len(rows)),
+            "group_frame_accuracy": np.array(
+                [group_accuracy(by_group[:, :, g], actions[rows]) for g in range(len(model.groups))]
+            ),
+            "components": np.array([counted(one) for one in fitted.values()]).reshape(
+                len(model.actions), len(model.groups), 3
+            ),
+        }
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class Questions:
-    """What is asked about: frames that show a group whole, and clips. Of a clip of several actions, each action is a question by itself."""
+    """What is asked about: frames that show a group whole, and clips. Of a clip of several actions, each action is a
+    question by itself.
+    """
 
     posterior: np.ndarray  # (f, a), log, of each frame
     truth: np.ndarray  # (f,), index of its action
@@ -202,7 +262,9 @@ class Questions:
         from ipcli.models.mocap import recognition
 
         posterior = self.posterior[chosen]
-        return recognition.answer(posterior, np.zeros(posterior.shape), self.query[chosen], len(self.label), decision).posterior
+        return recognition.answer(
+            posterior, np.zeros(posterior.shape), self.query[chosen], len(self.label), decision
+        ).posterior
 
     def frames(self) -> np.ndarray:
         """Truth by answer of single frames."""

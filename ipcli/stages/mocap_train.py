@@ -34,14 +34,18 @@ class Params:
     """What to learn from and how."""
 
     groups: str = option("auto", "groups of joints: auto, the name of shipped ones, or a TOML file", flag="--groups")
-    actors: tuple[str, ...] = option((), "learn only from these people, with commas; none given: from all", flag="--actors")
+    actors: tuple[str, ...] = option(
+        (), "learn only from these people, with commas; none given: from all", flag="--actors"
+    )
     actions: tuple[str, ...] = option((), "learn only these actions, with commas; none given: all", flag="--actions")
     reading: Reading = field(default_factory=Reading)
     learning: Learning = field(default_factory=Learning)
     decision: Decision = field(default_factory=Decision)
 
 
-def run(paths: Sequence[Path], output: Path, params: Params, run: Run, progress: Progress = lambda share, what: None) -> Outcome:
+def run(
+    paths: Sequence[Path], output: Path, params: Params, run: Run, progress: Progress = lambda share, what: None
+) -> Outcome:
     """Write the model and beside it a report (.html). A run that was killed goes on where its chains were.
 
     Raises ParameterError for clips without labels or an action of hardly a frame, and what motions.read raises.
@@ -60,7 +64,9 @@ def run(paths: Sequence[Path], output: Path, params: Params, run: Run, progress:
     return outcome
 
 
-def model_artefact(paths: Sequence[Path], params: Params, run: Run, work: Checkpoint, progress: Progress) -> dict[str, np.ndarray]:
+def model_artefact(
+    paths: Sequence[Path], params: Params, run: Run, work: Checkpoint, progress: Progress
+) -> dict[str, np.ndarray]:
     """The arrays of the `behaviours` artefact."""
     from ipcli.models.mocap import behaviours, recognition
     from ipcli.models.mocap.features import reference_lengths
@@ -77,7 +83,10 @@ def model_artefact(paths: Sequence[Path], params: Params, run: Run, work: Checkp
     found = learn(points, params.learning, run, work, progress)
     fitted = {cell: found[cell] for cell in lesson.cells}
     model = lesson.model(fitted)
-    tried = {trial: one.lesson.model({cell: found[f"{trial}{cell}"] for cell in one.lesson.cells}) for trial, one in trials.items()}
+    tried = {
+        trial: one.lesson.model({cell: found[f"{trial}{cell}"] for cell in one.lesson.cells})
+        for trial, one in trials.items()
+    }
     progress(1.0, "writing")
     return (
         behaviours.arrays(model)
@@ -90,7 +99,9 @@ def model_artefact(paths: Sequence[Path], params: Params, run: Run, work: Checkp
 
 
 def chosen(known: Motions, params: Params) -> Motions:
-    """The clips of the people and actions asked for. ParameterError for a name that is not there, or nothing to learn."""
+    """The clips of the people and actions asked for. ParameterError for a name that is not there, or nothing
+    to learn.
+    """
     from dataclasses import replace
 
     from ipcli.geometry.cameras import position
@@ -99,7 +110,10 @@ def chosen(known: Motions, params: Params) -> Motions:
     labels = tuple(sorted({*map(str, known.labels)} - {""}))
     actions = {labels[position(labels, name, "action")] for name in params.actions} or {*labels}
     if not actions:
-        raise ParameterError("none of the clips has a label to learn. Name them by a manifest (ipcli import-clips --manifest) or by folders")
+        raise ParameterError(
+            "none of the clips has a label to learn. Name them by a manifest (ipcli import-clips --manifest) or by "
+            "folders"
+        )
     return replace(known, clips=tuple(_only(clip, actions) for clip in known.clips))
 
 
@@ -136,7 +150,13 @@ class Lesson:
 
     @classmethod
     def of(
-        cls, features: Mapping[str, np.ndarray], actions: np.ndarray, names: tuple[str, ...], settings: Learning, seed: int, split: str = ""
+        cls,
+        features: Mapping[str, np.ndarray],
+        actions: np.ndarray,
+        names: tuple[str, ...],
+        settings: Learning,
+        seed: int,
+        split: str = "",
     ) -> Lesson:
         """Frames drawn from those whose action (n,) is not -1."""
         from ipcli.models.mocap import behaviours
@@ -145,7 +165,10 @@ class Lesson:
         for action, name in enumerate(names):
             if (count := int((actions == action).sum())) < behaviours.LEAST_FRAMES:
                 least = behaviours.LEAST_FRAMES
-                raise ParameterError(f"action '{name}' has {count} frame{'s' * (count != 1)} to learn from: give at least {least}, or leave it out")
+                raise ParameterError(
+                    f"action '{name}' has {count} frame{'s' * (count != 1)} to learn from: give at least {least}, or "
+                    "leave it out"
+                )
         rows = behaviours.draw_frames(actions, len(names), settings, stream(seed, "mocap-train", f"frames{split}"))
         features = {group: x[rows] for group, x in behaviours.with_body(features, settings.features.body).items()}
         projections = behaviours.fit_projections(features, actions[rows], settings)
@@ -155,7 +178,9 @@ class Lesson:
     @property
     def cells(self) -> dict[str, tuple[int, str]]:
         """Action and group of each cell by its name."""
-        return {f"{name}, {group}": (action, group) for action, name in enumerate(self.names) for group in self.projections}
+        return {
+            f"{name}, {group}": (action, group) for action, name in enumerate(self.names) for group in self.projections
+        }
 
     @property
     def points(self) -> dict[str, np.ndarray]:
@@ -174,10 +199,14 @@ class Lesson:
         """What recognition needs of the mixtures of all cells."""
         from ipcli.models.mocap import behaviours
 
-        return behaviours.assemble(self.names, self.projections, {self.cells[name]: one for name, one in fitted.items()}, self.settings)
+        return behaviours.assemble(
+            self.names, self.projections, {self.cells[name]: one for name, one in fitted.items()}, self.settings
+        )
 
 
-def learn(points: Mapping[str, np.ndarray], settings: Learning, run: Run, work: Checkpoint, progress: Progress) -> dict[str, Fitted]:
+def learn(
+    points: Mapping[str, np.ndarray], settings: Learning, run: Run, work: Checkpoint, progress: Progress
+) -> dict[str, Fitted]:
     """The mixture of each cell, wherever the executor runs it. Raises ItemsFailed when some could not be learnt."""
     from ipcli.executor import map_items
 
@@ -195,8 +224,13 @@ def learn_cell(name: str, *, settings: Learning, seed: int, work: Checkpoint) ->
     if work.load(f"{name}.done") is not None:
         return
     points, rng = work.load(POINTS)[name], stream(seed, "mocap-train", name)
-    found = behaviours.learn(points, settings, rng, state=work.load(f"{name}.chains"), watch=partial(work.save, f"{name}.chains"))
-    work.save(f"{name}.done", found.predictive.arrays() | {key: getattr(found, key) for key in ("partitions", "log_joint", "trace")})
+    found = behaviours.learn(
+        points, settings, rng, state=work.load(f"{name}.chains"), watch=partial(work.save, f"{name}.chains")
+    )
+    work.save(
+        f"{name}.done",
+        found.predictive.arrays() | {key: getattr(found, key) for key in ("partitions", "log_joint", "trace")},
+    )
 
 
 def _fitted(arrays: Mapping[str, np.ndarray]) -> Fitted:
@@ -204,7 +238,10 @@ def _fitted(arrays: Mapping[str, np.ndarray]) -> Fitted:
     from ipcli.inverse.bayes.predictive import Predictive
 
     own = ("partitions", "log_joint", "trace")
-    return Fitted(Predictive(**{key: value for key, value in arrays.items() if key not in own}), **{key: arrays[key] for key in own})
+    return Fitted(
+        Predictive(**{key: value for key, value in arrays.items() if key not in own}),
+        **{key: arrays[key] for key in own},
+    )
 
 
 def body(known: Motions, lengths: np.ndarray, groups: tuple[str, ...]) -> dict[str, np.ndarray]:
@@ -213,7 +250,9 @@ def body(known: Motions, lengths: np.ndarray, groups: tuple[str, ...]) -> dict[s
 
     skeleton, parts = known.skeleton, known.groups.indices(known.skeleton)
     member = [(groups.index(part), joint) for part, joints in parts.items() for joint in joints]
-    roles = {name: np.array(getattr(known.groups, name), np.str_) for name in ("root", "left", "right", "top", "bottom")}
+    roles = {
+        name: np.array(getattr(known.groups, name), np.str_) for name in ("root", "left", "right", "top", "bottom")
+    }
     return roles | {
         "joints": np.array(skeleton.joints, np.str_),
         "parents": np.array(skeleton.parents, np.int64),
@@ -228,7 +267,9 @@ def groups_of(arrays: Mapping[str, np.ndarray], source: str) -> Groups:
     from ipcli.geometry.skeleton import Groups
 
     joints, names = [str(name) for name in arrays["joints"]], [str(name) for name in arrays["groups"]]
-    parts = {name: tuple(joints[j] for g, j in arrays["group_members"] if g == index) for index, name in enumerate(names)}
+    parts = {
+        name: tuple(joints[j] for g, j in arrays["group_members"] if g == index) for index, name in enumerate(names)
+    }
     lists = {role: tuple(map(str, arrays[role])) for role in ("left", "right", "bottom")}
     single = {role: str(arrays[role]) for role in ("root", "top")}
     kept = {name: members for name, members in parts.items() if name not in (BODY, MOTION)}
@@ -240,14 +281,18 @@ class Rehearsal:
     """A lesson from a part of the clips."""
 
     taught: np.ndarray  # (c,) bool, the clips
-    features: Mapping[str, np.ndarray]  # (n, D) of each group, of all clips and then of mirror images, on the common skeleton of those that teach
+    features: Mapping[
+        str, np.ndarray
+    ]  # (n, D) of each group, of all clips and then of mirror images, on the common skeleton of those that teach
     lesson: Lesson
 
 
 def rehearsals(known: Motions, taught: Motions, params: Params, seed: int) -> dict[str, Rehearsal]:
-    """Lessons from one half of the people each, or of the clips of a single one, to see how strange the other half looks.
+    """Lessons from one half of the people each, or of the clips of a single one, to see how strange the other half
+    looks.
 
-    `taught` as `to_learn` gives it of the clips `known`. They take a part of the frames only. An action that one half does not show cannot be judged from it.
+    `taught` as `to_learn` gives it of the clips `known`. They take a part of the frames only. An action that one half
+    does not show cannot be judged from it.
     """
     from dataclasses import replace
 
@@ -284,7 +329,9 @@ def halves(known: Motions) -> list[np.ndarray]:
 def held_out_surprises(
     tried: Mapping[str, Model], trials: Mapping[str, Rehearsal], known: Motions, actions: np.ndarray, params: Params
 ) -> np.ndarray:
-    """How strange each labelled clip looks to a model of the other half, ascending; later clips stranger than those are no action."""
+    """How strange each labelled clip looks to a model of the other half, ascending; later clips stranger than those are
+    no action.
+    """
     import numpy as np
 
     from ipcli.models.mocap import recognition
@@ -294,8 +341,12 @@ def held_out_surprises(
         one = trials[trial]
         rows = np.flatnonzero(~one.taught[known.clip] & (actions >= 0) & np.isin(known.labels, model.actions))
         density = recognition.log_densities(model, {group: x[rows] for group, x in one.features.items()})
-        posterior, surprise = (f(model, density, params.decision) for f in (recognition.frame_posteriors, recognition.surprises))
-        told.append(recognition.answer(posterior, surprise, known.clip[rows], len(known.clips), params.decision).surprise)
+        posterior, surprise = (
+            f(model, density, params.decision) for f in (recognition.frame_posteriors, recognition.surprises)
+        )
+        told.append(
+            recognition.answer(posterior, surprise, known.clip[rows], len(known.clips), params.decision).surprise
+        )
     every = np.concatenate(told) if told else np.empty(0)
     return np.sort(every[np.isfinite(every)])
 
@@ -340,7 +391,9 @@ def counted(fitted: Fitted) -> tuple[float, float, float]:
 
 
 def drawn(lesson: Lesson, fitted: Mapping[str, Fitted], poses: np.ndarray) -> dict[str, np.ndarray]:
-    """The behaviours of the point partitions, each by poses (thesis figure 5.6): the most typical frame first, then less and less typical ones."""
+    """The behaviours of the point partitions, each by poses (thesis figure 5.6): the most typical frame first, then
+    less and less typical ones.
+    """
     import numpy as np
 
     groups, found = list(lesson.projections), []

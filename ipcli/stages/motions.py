@@ -58,7 +58,9 @@ class Motions:
         """Action (n,) of each frame: its own where it has one, or that of its clip; empty where unknown."""
         import numpy as np
 
-        each = [np.full(len(c.motion.positions), c.label) if c.frame_labels is None else c.frame_labels for c in self.clips]
+        each = [
+            np.full(len(c.motion.positions), c.label) if c.frame_labels is None else c.frame_labels for c in self.clips
+        ]
         return np.concatenate(each).astype(np.str_)
 
     @property
@@ -72,8 +74,8 @@ class Motions:
 def read(paths: Sequence[Path], reading: Reading, groups: str | Groups, skeleton: Skeleton | None = None) -> Motions:
     """The clips at `paths`, one source after the other; `groups` as io.groups.find takes them, or found already.
 
-    Raises FormatError for clips of another skeleton than the first's, or than `skeleton` if given, for two clips of one name, and
-    what io.clips.open_clips raises; ParameterError for a body without height.
+    Raises FormatError for clips of another skeleton than the first's, or than `skeleton` if given, for two clips of one
+    name, and what io.clips.open_clips raises; ParameterError for a body without height.
     """
     from ipcli.geometry.motion import resample_clip
     from ipcli.io.groups import find
@@ -90,7 +92,9 @@ def read(paths: Sequence[Path], reading: Reading, groups: str | Groups, skeleton
     known = {}
     for clip in clips:
         if known.setdefault(clip.name, clip) is not clip:
-            raise FormatError(paths[-1], f"clip '{clip.name}' is there twice", fix="Give each source once, clips names of their own")
+            raise FormatError(
+                paths[-1], f"clip '{clip.name}' is there twice", fix="Give each source once, clips names of their own"
+            )
     groups = find(groups, skeleton) if isinstance(groups, str) else groups
     for clip in clips:
         _check_height(clip, groups)
@@ -109,7 +113,9 @@ def of_people(motions: Motions, names: Sequence[str]) -> Motions:
 
 
 def to_learn(motions: Motions, mirror: bool) -> Motions:
-    """The clips, with `mirror` followed by the mirror image of each, which has its labels and actor. Splits are left behind."""
+    """The clips, with `mirror` followed by the mirror image of each, which has its labels and actor. Splits are left
+    behind.
+    """
     from ipcli.geometry.motion import mirrored
 
     images = [replace(clip, motion=mirrored(clip.motion, motions.groups)) for clip in motions.clips] if mirror else []

@@ -1,4 +1,6 @@
-"""render-views: a triangle mesh -> depth maps of cameras around or above it, with noise added if wanted (thesis 4.5.2)."""
+"""render-views: a triangle mesh -> depth maps of cameras around or above it, with noise added if wanted
+(thesis 4.5.2).
+"""
 
 from __future__ import annotations
 
@@ -31,11 +33,15 @@ class Params:
     spacing: float | None = option(
         None, "Between views: times 5 degrees on an orbit (1), in units along a strip (4).", flag="--spacing", low=1e-6
     )
-    up: str = option("y", "Axis of the mesh that points up, on an orbit; a strip takes z.", flag="--up", choices=("x", "y", "z"))
+    up: str = option(
+        "y", "Axis of the mesh that points up, on an orbit; a strip takes z.", flag="--up", choices=("x", "y", "z")
+    )
     noise: str | None = option(None, "Noise to add: laplace:SCALE or gauss:SCALE, in the unit.", flag="--noise")
     width: int = option(640, "Width of the images.", flag="--width", low=8, unit="px")
     height: int = option(480, "Height of the images.", flag="--height", low=8, unit="px")
-    focal: float = option(576.0, "Focal length; the principal point is (width / 2, height / 2).", flag="--focal", low=1.0, unit="px")
+    focal: float = option(
+        576.0, "Focal length; the principal point is (width / 2, height / 2).", flag="--focal", low=1.0, unit="px"
+    )
 
 
 def run(
@@ -60,8 +66,9 @@ def run(
 def rendered(
     source: Path, params: Params, noise: tuple[str, float], seed: int, progress: Callable[[float, str], None]
 ) -> dict[str, np.ndarray]:
-    """The arrays of the artefact. The baseline that turns depth into disparity is the thesis': half of the chord between two
-    views of the orbit, the whole step of the strip."""
+    """The arrays of the artefact. The baseline that turns depth into disparity is the thesis': half of the chord
+    between two views of the orbit, the whole step of the strip.
+    """
     import numpy as np
 
     from ipcli.geometry import raycast
@@ -81,7 +88,9 @@ def rendered(
         views.append(_view(f"{index:0{len(str(len(poses) - 1))}d}", caster, pose, params, noise, seed))
         progress((index + 1) / len(poses), views[-1].name)
     if not np.isfinite(views[(len(views) - 1) // 2].truth).any():
-        raise NoSolution(f"{source}: the middle view sees nothing of the mesh. Check its axes (--up, --path) and the focal length")
+        raise NoSolution(
+            f"{source}: the middle view sees nothing of the mesh. Check its axes (--up, --path) and the focal length"
+        )
     return sequences.views_artefact(views, unit="m.u.", measured="depth", baseline_focal=params.focal * baseline)
 
 

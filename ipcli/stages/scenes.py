@@ -1,4 +1,6 @@
-"""A scene whose truth is known, fused by one method after another in one process: what tune-fusion and evaluate-fusion share."""
+"""A scene whose truth is known, fused by one method after another in one process: what tune-fusion and evaluate-fusion
+share.
+"""
 
 from __future__ import annotations
 
@@ -25,11 +27,16 @@ class Trials:
     """Which methods, into which view, and everything else that they have in common."""
 
     methods: tuple[str, ...] = option(
-        ("all",), "Each METHOD, or METHOD:ALGORITHM if its confidence is estimated; all: every one there is.", flag="--methods"
+        ("all",),
+        "Each METHOD, or METHOD:ALGORITHM if its confidence is estimated; all: every one there is.",
+        flag="--methods",
     )
     reference: str | None = option(None, "View to fuse into; the middle one if not given.", flag="--reference")
     domain: str = option(
-        "auto", "Quantity to regularise; auto: the one whose noise is homogeneous.", flag="--domain", choices=("auto", "depth", "disparity")
+        "auto",
+        "Quantity to regularise; auto: the one whose noise is homogeneous.",
+        flag="--domain",
+        choices=("auto", "depth", "disparity"),
     )
     fusion: Fusion = field(default_factory=Fusion)
 
@@ -138,6 +145,8 @@ def open_scene(path: Path, trials: Trials) -> Scene:
     if name not in views:
         raise ParameterError(f"{path}: no view '{name}'{nearest(name, views)}")
     if views[name].truth is None:
-        raise FormatError(path, f"the true depth of view '{name}' is not known", fix="Give views whose reference has a truth")
+        raise FormatError(
+            path, f"the true depth of view '{name}' is not known", fix="Give views whose reference has a truth"
+        )
     domain = sequence.measured if trials.domain == "auto" else trials.domain
     return Scene(list(views.values()), views[name], domain == "disparity", sequence.baseline_focal, sequence.unit)

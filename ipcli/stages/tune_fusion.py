@@ -23,7 +23,10 @@ class Params(Trials):
     """The grid, and what counts as best on it."""
 
     lambdas: tuple[float, ...] = option(
-        (0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.56, 0.8, 1.6, 3.2, 6.4), "Values of lambda to try, besides the automatic one.", flag="--lambdas", low=1e-9
+        (0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.56, 0.8, 1.6, 3.2, 6.4),
+        "Values of lambda to try, besides the automatic one.",
+        flag="--lambdas",
+        low=1e-9,
     )
     measure: str = option("RMSE", "Measure that is to be least on average over the scenes.", flag="--measure")
 
@@ -55,7 +58,9 @@ def tuning(
     columns = next(iter(swept.values()))["columns"]
     if params.measure not in columns:
         raise ParameterError(f"no measure '{params.measure}'{nearest(params.measure, columns)}")
-    stacked = {key: np.stack([one[key] for one in swept.values()]) for key in ("values", "automatic", "automatic_lambda")}
+    stacked = {
+        key: np.stack([one[key] for one in swept.values()]) for key in ("values", "automatic", "automatic_lambda")
+    }
     means = over_scenes(stacked["values"], columns)[..., list(columns).index(params.measure)]
     return stacked | {
         "scenes": np.array([path.name.split(".")[0] for path in files]),
@@ -68,7 +73,9 @@ def tuning(
 
 
 def sweep(name: str, *, params: Params) -> dict[str, np.ndarray]:
-    """Every method at every lambda on the scene in file `name`; the errors of a method are taken on pixels that all its maps have."""
+    """Every method at every lambda on the scene in file `name`; the errors of a method are taken on pixels that all its
+    maps have.
+    """
     import numpy as np
 
     scene = open_scene(Path(name), params)

@@ -34,8 +34,10 @@ def tell(tmp_path, capsys):
 
 def fails(told, code, *messages):
     """Exit code, nothing on stdout, and one line on stderr that holds the messages."""
-    assert told[0] == code and told[1] == ""
-    assert told[2].count("\n") == 1 and told[2].startswith("Error: ")
+    assert told[0] == code
+    assert told[1] == ""
+    assert told[2].count("\n") == 1
+    assert told[2].startswith("Error: ")
     for message in messages:
         assert message in told[2]
 
@@ -43,11 +45,19 @@ def fails(told, code, *messages):
 def test_the_path_is_printed_alone_and_a_second_run_is_up_to_date(source, tell, tmp_path):
     output = tmp_path / "out" / "x.fused.h5"
     assert tell(source) == (0, f"{output}\n", "")
-    assert {path.name for path in output.parent.iterdir()} == {"x.fused.h5", "x.fused.ply", "x.fused.html", "x.fused.run.json"}
+    assert {path.name for path in output.parent.iterdir()} == {
+        "x.fused.h5",
+        "x.fused.ply",
+        "x.fused.html",
+        "x.fused.run.json",
+    }
     code, out, err = tell(source)
-    assert code == 0 and out == f"{output}\n" and err == f"{output}: up to date\n"
+    assert code == 0
+    assert out == f"{output}\n"
+    assert err == f"{output}: up to date\n"
     code, out, _ = tell(source, "--json")
-    assert code == 0 and json.loads(out) == {"output": str(output)}
+    assert code == 0
+    assert json.loads(out) == {"output": str(output)}
     fails(tell(source, "--lambda", "0.5"), 1, "--overwrite")
     assert tell(source, "--lambda", "0.5", "--overwrite")[0] == 0
     assert float(h5.read(output, "depth").arrays["lambda"]) == 0.5
@@ -55,7 +65,8 @@ def test_the_path_is_printed_alone_and_a_second_run_is_up_to_date(source, tell, 
 
 def test_the_console_script_is_the_same_command(source, tmp_path, capsys):
     assert fuse_depth([str(source), "-o", str(tmp_path / "x.h5"), *QUICK, "-n"]) == 0
-    assert "run, since it does not exist" in capsys.readouterr().err and not list(tmp_path.iterdir())
+    assert "run, since it does not exist" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 def test_no_overlap_is_exit_3_with_every_view_in_one_line(tell, tmp_path):
@@ -72,7 +83,7 @@ def test_no_depth_at_all_is_exit_3(tell, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "arguments, messages",
+    ("arguments", "messages"),
     [
         (["--reference", "2"], ["no view '2' among the 5 there are", "did you mean '02'?"]),
         (["--window", "-1"], ["window", "-1"]),
@@ -99,7 +110,8 @@ def test_a_flag_beats_the_environment_beats_the_configuration(source, tell, tmp_
     monkeypatch.setenv("IPCLI_WINDOW", "3")
     assert tell(source, "--config", str(config), "--reference", "01")[0] == 0
     found = h5.read(output, "depth").arrays
-    assert list(found["views"]) == ["00", "01", "02"] and float(found["lambda"]) == 0.7
+    assert list(found["views"]) == ["00", "01", "02"]
+    assert float(found["lambda"]) == 0.7
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.97])

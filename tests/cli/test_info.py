@@ -20,7 +20,9 @@ def views(tmp_path):
         "measured": np.array("depth"),
     }
     (tmp_path / "in.png").write_bytes(b"x")
-    record = provenance.record("import-views", {"window": 3, "source": {"unit": "m"}}, [tmp_path / "in.png"], "views", 2)
+    record = provenance.record(
+        "import-views", {"window": 3, "source": {"unit": "m"}}, [tmp_path / "in.png"], "views", 2
+    )
     h5.write(tmp_path / "v.h5", "views", arrays, record)
     return tmp_path / "v.h5", record
 
@@ -52,7 +54,9 @@ def test_json_is_the_header(views, capsys):
 
 def test_a_ply_shows_its_counts(tmp_path, capsys):
     extra = {"confidence": np.ones(4, np.float32)}
-    ply.write(tmp_path / "m.ply", np.zeros((4, 3), np.float32), faces=np.zeros((2, 3), int), extra=extra, comments=["hello"])
+    ply.write(
+        tmp_path / "m.ply", np.zeros((4, 3), np.float32), faces=np.zeros((2, 3), int), extra=extra, comments=["hello"]
+    )
     assert main(["info", str(tmp_path / "m.ply")]) == 0
     text = capsys.readouterr().out.splitlines()
     assert text[1:] == ["  4 x vertex: x, y, z, confidence", "  2 x face: vertex_indices", "  comment hello"]
@@ -60,7 +64,10 @@ def test_a_ply_shows_its_counts(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["elements"]["face"]["count"] == 2
 
 
-@pytest.mark.parametrize(("name", "message"), [("a.txt", "expected .h5 or .ply, got .txt"), ("a.h5", "no such file"), ("a.ply", "No such file")])
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [("a.txt", "expected .h5 or .ply, got .txt"), ("a.h5", "no such file"), ("a.ply", "No such file")],
+)
 def test_other_files_are_refused(tmp_path, capsys, name, message):
     assert main(["info", str(tmp_path / name)]) == 1
     assert message in capsys.readouterr().err

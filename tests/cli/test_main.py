@@ -105,7 +105,10 @@ def test_the_traceback_comes_only_with_vv_and_before_the_line(arguments, capsys)
         (["probe", "--lamda", "1"], "No such option"),
         (["probe", "--lambda", "-1"], "--lambda: weight = '-1': expected float >= 0"),
         (["probe", "--method", "admm"], "--method: method = 'admm': expected one of acs, ama"),
-        (["probe", "--set", "solver.iteration=1"], "--set: unknown key 'solver.iteration'; did you mean 'solver.iterations'?"),
+        (
+            ["probe", "--set", "solver.iteration=1"],
+            "--set: unknown key 'solver.iteration'; did you mean 'solver.iterations'?",
+        ),
         (["probe", "--seed", "-1"], "Invalid value for '--seed'"),
         (["probe", "--config", "absent.toml"], "absent.toml: cannot be read: No such file"),
     ],
@@ -188,7 +191,9 @@ def test_help_and_version(capsys):
 
 def run_python(code, **more):
     env = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    return subprocess.Popen([sys.executable, "-c", code], env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+    return subprocess.Popen(
+        [sys.executable, "-c", code], env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more
+    )
 
 
 ENDLESS = """

@@ -44,8 +44,10 @@ def tell(place, tmp_path, capsys):
 
 
 def fails(told, code, *messages):
-    assert told[0] == code and told[1] == ""
-    assert told[2].count("\n") == 1 and told[2].startswith("Error: ")
+    assert told[0] == code
+    assert told[1] == ""
+    assert told[2].count("\n") == 1
+    assert told[2].startswith("Error: ")
     for message in messages:
         assert message in told[2]
 
@@ -53,20 +55,36 @@ def fails(told, code, *messages):
 def test_the_model_is_sound_and_a_page_stands_beside_it(place):
     found = h5.read(place / "model.h5", "behaviours").arrays
     schema.validate(schema.kind("behaviours"), found)
-    assert list(found["actions"]) == sorted(ACTIONS) and list(found["actors"]) == ["ann", "bob", "cyd"]
-    assert list(found["frames"]) == [144] * 3 and list(found["clips"]) == [6] * 3
+    assert list(found["actions"]) == sorted(ACTIONS)
+    assert list(found["actors"]) == ["ann", "bob", "cyd"]
+    assert list(found["frames"]) == [144] * 3
+    assert list(found["clips"]) == [6] * 3
     assert found["behaviour_poses"].shape[1:] == (4, 16, 3)
     shares = np.zeros((3, len(found["groups"])))
     np.add.at(shares, (found["behaviour_action"], found["behaviour_group"]), found["behaviour_share"])
     np.testing.assert_allclose(shares, 1)
-    assert list(found["groups"][-2:]) == ["body", "motion"] and (place / "model.html").read_text().startswith("<!doctype html>")
+    assert list(found["groups"][-2:]) == ["body", "motion"]
+    assert (place / "model.html").read_text().startswith("<!doctype html>")
     assert not [path for path in place.iterdir() if path.name.startswith(".")]
 
 
 def test_training_again_is_up_to_date_and_any_executor_gives_the_same_bytes(place, tmp_path, capsys):
     assert main(["mocap-train", str(place / "all.clips.h5"), *model_options(place)]) == 0
     assert "up to date" in capsys.readouterr().err
-    assert main(["mocap-train", str(place / "all.clips.h5"), *model_options(place)[2:], "-o", str(tmp_path / "m.h5"), "--executor", "processes:2"]) == 0
+    assert (
+        main(
+            [
+                "mocap-train",
+                str(place / "all.clips.h5"),
+                *model_options(place)[2:],
+                "-o",
+                str(tmp_path / "m.h5"),
+                "--executor",
+                "processes:2",
+            ]
+        )
+        == 0
+    )
     assert (tmp_path / "m.h5").read_bytes() == (place / "model.h5").read_bytes()
     assert (tmp_path / "m.html").read_bytes() == (place / "model.html").read_bytes()
 
@@ -75,13 +93,18 @@ def test_a_person_never_seen_is_named_right_whole_and_by_a_handful(place, tell, 
     asked = write(tmp_path / "dan.clips.h5", [one for one in every() if one.actor == "dan"])
     code, out, _ = tell("mocap-classify", place / "model.h5", asked, "--json")
     told = json.loads(out)
-    assert code == 0 and all(answer["clip"].startswith(answer["answer"]) for answer in told["answers"])
-    code, out, _ = tell("mocap-classify", place / "model.h5", asked, "--json", "--unordered", "5", "--handfuls", "3", output="few.h5")
+    assert code == 0
+    assert all(answer["clip"].startswith(answer["answer"]) for answer in told["answers"])
+    code, out, _ = tell(
+        "mocap-classify", place / "model.h5", asked, "--json", "--unordered", "5", "--handfuls", "3", output="few.h5"
+    )
     told = json.loads(out)["answers"]
-    assert len(told) == 18 and {answer["frames"] for answer in told} == {5}
+    assert len(told) == 18
+    assert {answer["frames"] for answer in told} == {5}
     assert np.mean([answer["clip"].startswith(answer["answer"]) for answer in told]) > 0.9
     rows = list(csv.DictReader((tmp_path / "out" / "x.csv").open()))
-    assert len(rows) == 6 and all(row["clip"].startswith(row["action"]) for row in rows)
+    assert len(rows) == 6
+    assert all(row["clip"].startswith(row["action"]) for row in rows)
     assert (tmp_path / "out" / "x.html").is_file()
 
 
@@ -92,7 +115,8 @@ def test_a_long_take_is_parted_where_its_actions_change(place, tell, tmp_path):
     assert [row["action"] for row in rows] == list(ACTIONS)
     ends = [float(row["end_s"]) for row in rows]
     np.testing.assert_allclose(ends, [1.5, 3.0, 4.5], atol=0.3)
-    assert [row["start_s"] for row in rows[1:]] == [row["end_s"] for row in rows[:-1]] and float(rows[0]["start_s"]) == 0
+    assert [row["start_s"] for row in rows[1:]] == [row["end_s"] for row in rows[:-1]]
+    assert float(rows[0]["start_s"]) == 0
     found = h5.read(tmp_path / "out" / "x.h5", "recognition").arrays
     np.testing.assert_allclose(found["truth_segment_time"], [[0, 1.5], [1.5, 3], [3, 4.5]])
 
@@ -104,18 +128,29 @@ def test_what_was_never_learnt_is_none_unless_it_must_be_something(place, tell, 
     asked = write(tmp_path / "odd.clips.h5", [Clip("odd", motion, "", "ann")])
     answer = json.loads(tell("mocap-classify", place / "model.h5", asked, "--json")[1])["answers"][0]
     assert answer["answer"] == "none"
-    forced = json.loads(tell("mocap-classify", place / "model.h5", asked, "--json", "--no-none", output="y.h5")[1])["answers"][0]
-    assert forced["answer"] in ACTIONS and forced["surprise"] == answer["surprise"]
+    forced = json.loads(tell("mocap-classify", place / "model.h5", asked, "--json", "--no-none", output="y.h5")[1])[
+        "answers"
+    ][0]
+    assert forced["answer"] in ACTIONS
+    assert forced["surprise"] == answer["surprise"]
 
 
 def test_the_order_of_frames_and_missing_ones_change_nothing_or_little(place, tell, tmp_path):
     whole = clip("kick", 3)
-    shuffled = replace(whole.motion, positions=whole.motion.positions[::-1].copy(), rotations=whole.motion.rotations[::-1].copy())
+    shuffled = replace(
+        whole.motion, positions=whole.motion.positions[::-1].copy(), rotations=whole.motion.rotations[::-1].copy()
+    )
     torn = whole.motion.positions.copy()
     torn[::2, 5] = np.nan
     torn[1::5] = np.nan
-    clips = [whole, replace(whole, name="back", motion=shuffled), replace(whole, name="torn", motion=replace(whole.motion, positions=torn))]
-    answers = json.loads(tell("mocap-classify", place / "model.h5", write(tmp_path / "c.clips.h5", clips), "--json")[1])["answers"]
+    clips = [
+        whole,
+        replace(whole, name="back", motion=shuffled),
+        replace(whole, name="torn", motion=replace(whole.motion, positions=torn)),
+    ]
+    answers = json.loads(
+        tell("mocap-classify", place / "model.h5", write(tmp_path / "c.clips.h5", clips), "--json")[1]
+    )["answers"]
     assert [answer["answer"] for answer in answers] == ["kick"] * 3
     assert answers[0]["surprise"] == pytest.approx(answers[1]["surprise"])
     assert answers[2]["frames"] < answers[0]["frames"]
@@ -126,7 +161,7 @@ def test_the_order_of_frames_and_missing_ones_change_nothing_or_little(place, te
 
 
 @pytest.mark.parametrize(
-    "split, splits, more",
+    ("split", "splits", "more"),
     [
         ("subjects", 1, ["--test", "dan,ann"]),
         ("leave-one-out", 4, []),
@@ -140,16 +175,20 @@ def test_every_protocol_is_evaluated(place, tell, tmp_path, split, splits, more)
     options = ["--groups", place / "groups.toml", "--split", split, *more, *QUICK]
     assert tell("mocap-evaluate", place / "all.clips.h5", *options)[0] == 0
     found = h5.read(tmp_path / "out" / "x.h5", "evaluation").arrays
-    assert len(found["splits"]) == splits and list(found["handfuls"]) == [20, 5, 1]
+    assert len(found["splits"]) == splits
+    assert list(found["handfuls"]) == [20, 5, 1]
     frames, clips = found["frame_confusion"], found["sequence_confusion"]
-    assert (frames.sum(axis=(1, 2)) == found["test_frames"]).all() and (clips.sum(axis=(1, 2)) == found["test_clips"]).all()
-    assert np.trace(clips.sum(axis=0)) > 0.9 * clips.sum() and np.trace(frames.sum(axis=0)) > 0.8 * frames.sum()
+    assert (frames.sum(axis=(1, 2)) == found["test_frames"]).all()
+    assert (clips.sum(axis=(1, 2)) == found["test_clips"]).all()
+    assert np.trace(clips.sum(axis=0)) > 0.9 * clips.sum()
+    assert np.trace(frames.sum(axis=0)) > 0.8 * frames.sum()
     if split == "frames":
         assert found["train_frames"] + found["test_frames"] == 576
     else:
         assert (found["train_clips"] + found["test_clips"] == 24).all()
     assert (tmp_path / "out" / "x.html").is_file()
-    assert list(found["groups"][-2:]) == ["body", "motion"] and (found["pose_frame_confusion"].sum() == frames.sum())
+    assert list(found["groups"][-2:]) == ["body", "motion"]
+    assert found["pose_frame_confusion"].sum() == frames.sum()
 
 
 def test_an_evaluation_of_some_people_actions_and_splits_is_of_those_alone(place, tell, tmp_path):
@@ -157,10 +196,14 @@ def test_an_evaluation_of_some_people_actions_and_splits_is_of_those_alone(place
     some = ["--actors", "bob,cyd,dan", "--actions", "kick,bow", "--split", "published", "--only", "second"]
     assert tell("mocap-evaluate", place / "all.clips.h5", *usual, *some)[0] == 0
     found = h5.read(tmp_path / "out" / "x.h5", "evaluation").arrays
-    assert list(found["splits"]) == ["second"] and list(found["classes"]) == ["bow", "kick"]
-    assert found["train_clips"] == [8] and found["test_clips"] == [4]  # bob and dan against cyd, two clips of each action
+    assert list(found["splits"]) == ["second"]
+    assert list(found["classes"]) == ["bow", "kick"]
+    assert found["train_clips"] == [8]
+    assert found["test_clips"] == [4]
     assert {name.split("_")[1] for name in found["clips"]} == {"cyd"}
-    told = tell("mocap-evaluate", place / "all.clips.h5", *usual, "--split", "published", "--only", "frist", output="y.h5")
+    told = tell(
+        "mocap-evaluate", place / "all.clips.h5", *usual, "--split", "published", "--only", "frist", output="y.h5"
+    )
     fails(told, 2, "no published split 'frist'", "'first'")
 
 
@@ -182,7 +225,8 @@ def posteriors(tell, tmp_path, *arguments):
 def test_a_model_without_motion_answers_by_poses_alone(place, still, tell, tmp_path):
     """Clips, takes and single frames, as it does when told to."""
     stored = h5.read(still, "behaviours")
-    assert stored.provenance["params"]["learning"]["features"]["motion"] == 0 and "motion" not in stored.arrays["groups"]
+    assert stored.provenance["params"]["learning"]["features"]["motion"] == 0
+    assert "motion" not in stored.arrays["groups"]
     clips = write(tmp_path / "dan.clips.h5", [one for one in every() if one.actor == "dan"])
     for asked, options in ((clips, []), (write(tmp_path / "take.clips.h5", [take()]), ["--window", "0.5"])):
         told = posteriors(tell, tmp_path, still, asked, *options)
@@ -207,14 +251,17 @@ def test_a_single_frame_is_a_clip_whose_motion_is_not_known(place, still, tell, 
     for model in (place / "model.h5", still):
         answer = json.loads(tell("mocap-classify", model, asked, "--json", output=f"{model.stem}.h5")[1])["answers"][0]
         assert (answer["answer"], answer["frames"]) == ("bow", 1)
-        np.testing.assert_array_equal(posteriors(tell, tmp_path, model, asked), posteriors(tell, tmp_path, model, asked, "--no-motion"))
+        np.testing.assert_array_equal(
+            posteriors(tell, tmp_path, model, asked), posteriors(tell, tmp_path, model, asked, "--no-motion")
+        )
 
 
 def test_an_evaluation_without_motion_is_that_of_poses(place, tell, tmp_path):
     options = ["--groups", place / "groups.toml", "--split", "subjects", "--motion", "0", *QUICK]
     assert tell("mocap-evaluate", place / "all.clips.h5", *options)[0] == 0
     found = h5.read(tmp_path / "out" / "x.h5", "evaluation").arrays
-    assert "motion" not in found["groups"] and found["group_frame_accuracy"].shape == (1, len(found["groups"]))
+    assert "motion" not in found["groups"]
+    assert found["group_frame_accuracy"].shape == (1, len(found["groups"]))
     for what in ("frame", "sequence"):
         np.testing.assert_array_equal(found[f"{what}_confusion"], found[f"pose_{what}_confusion"])
     assert np.trace(found["sequence_confusion"][0]) > 0.9 * found["sequence_confusion"].sum()
@@ -229,10 +276,15 @@ def both(place):
 
 def test_what_was_learnt_of_one_hand_is_known_of_the_other_with_mirror_images_alone(place, both, tell, tmp_path):
     """All waved with the right hand; now one waves with the left, and one kicks with the other leg."""
-    left = [replace(one, name=f"{one.name}_left", motion=mirrored(one.motion, GROUPS)) for one in (clip("wave", 3), clip("kick", 3))]
+    left = [
+        replace(one, name=f"{one.name}_left", motion=mirrored(one.motion, GROUPS))
+        for one in (clip("wave", 3), clip("kick", 3))
+    ]
     asked = write(tmp_path / "left.clips.h5", left)
     models = (both, place / "model.h5")
-    knows, does_not = (json.loads(tell("mocap-classify", model, asked, "--json", output=model.name)[1])["answers"] for model in models)
+    knows, does_not = (
+        json.loads(tell("mocap-classify", model, asked, "--json", output=model.name)[1])["answers"] for model in models
+    )
     assert [answer["answer"] for answer in knows] == ["wave", "kick"]
     assert all(one["surprise"] < 0.8 * other["surprise"] for one, other in zip(knows, does_not, strict=True))
     found, plain = (h5.read(model, "behaviours").arrays for model in models)
@@ -242,20 +294,26 @@ def test_what_was_learnt_of_one_hand_is_known_of_the_other_with_mirror_images_al
 
 
 def test_an_evaluation_learns_mirror_images_and_asks_about_none(place, tell, tmp_path):
-    clips = [one if one.actor in ("ann", "cyd") else replace(one, motion=mirrored(one.motion, GROUPS)) for one in every()]
+    clips = [
+        one if one.actor in ("ann", "cyd") else replace(one, motion=mirrored(one.motion, GROUPS)) for one in every()
+    ]
     asked = write(tmp_path / "hands.clips.h5", clips)
     told = {}
     for name, more in (("both", ["--mirror"]), ("one", [])):
-        assert tell("mocap-evaluate", asked, "--groups", place / "groups.toml", *more, *QUICK, output=f"{name}.h5")[0] == 0
+        assert (
+            tell("mocap-evaluate", asked, "--groups", place / "groups.toml", *more, *QUICK, output=f"{name}.h5")[0] == 0
+        )
         told[name] = h5.read(tmp_path / "out" / f"{name}.h5", "evaluation").arrays
         assert (told[name]["train_frames"], told[name]["test_frames"]) == (288, 288)
     right = {name: np.trace(found["frame_confusion"][0]) / 288 for name, found in told.items()}
-    assert right["both"] > 0.9 and right["both"] > right["one"] + 0.1
+    assert right["both"] > 0.9
+    assert right["both"] > right["one"] + 0.1
 
 
 def test_only_the_people_that_are_asked_for_are_recognised(place, tell):
     code, out, _ = tell("mocap-classify", place / "model.h5", place / "all.clips.h5", "--actors", "dan,bob", "--json")
-    assert code == 0 and {answer["clip"].split("_")[1] for answer in json.loads(out)["answers"]} == {"dan", "bob"}
+    assert code == 0
+    assert {answer["clip"].split("_")[1] for answer in json.loads(out)["answers"]} == {"dan", "bob"}
     told = tell("mocap-classify", place / "model.h5", place / "all.clips.h5", "--actors", "don", output="y.h5")
     fails(told, 2, "no actor 'don'", "'dan'")
 
@@ -268,18 +326,27 @@ def renamed(motion, name="spine"):
 def test_a_model_of_another_skeleton_is_refused(place, tell, tmp_path):
     other = clip("kick", 0)
     asked = write(tmp_path / "other.clips.h5", [replace(other, motion=renamed(other.motion))])
-    fails(tell("mocap-classify", place / "model.h5", asked), 1, "other.clips.h5", "another skeleton", "no joint 'chest'")
+    fails(
+        tell("mocap-classify", place / "model.h5", asked), 1, "other.clips.h5", "another skeleton", "no joint 'chest'"
+    )
 
 
 def test_a_file_that_is_no_model_or_no_clips_is_refused(place, tell):
-    fails(tell("mocap-classify", place / "all.clips.h5", place / "all.clips.h5"), 1, "all.clips.h5", "expected behaviours, got clips")
+    fails(
+        tell("mocap-classify", place / "all.clips.h5", place / "all.clips.h5"),
+        1,
+        "all.clips.h5",
+        "expected behaviours, got clips",
+    )
     fails(tell("mocap-train", place / "model.h5"), 1, "model.h5", "expected clips, got behaviours")
     fails(tell("mocap-train", place / "nothing.h5"), 1, "nothing.h5", "cannot be read")
 
 
 def test_clips_without_labels_teach_nothing(place, tell, tmp_path):
     bare = write(tmp_path / "bare.clips.h5", [replace(one, label="") for one in every(repeats=1)])
-    fails(tell("mocap-train", bare, "--groups", place / "groups.toml"), 2, "none of the clips has a label", "--manifest")
+    fails(
+        tell("mocap-train", bare, "--groups", place / "groups.toml"), 2, "none of the clips has a label", "--manifest"
+    )
 
 
 def test_an_action_of_one_frame_is_named(place, tell, tmp_path):
@@ -299,19 +366,38 @@ def test_a_joint_that_is_never_seen_spoils_its_groups_by_name(place, tell, tmp_p
     """For learning; recognition goes on with the other groups, and says so when none is left."""
     lost = [replace(one, motion=changed(one.motion, "left_hand", lambda x: np.nan)) for one in every(repeats=1)]
     asked = write(tmp_path / "lost.clips.h5", lost)
-    fails(tell("mocap-train", asked, "--groups", place / "groups.toml", *QUICK), 2, "'left_arm'", "in no frame", "groups file")
+    fails(
+        tell("mocap-train", asked, "--groups", place / "groups.toml", *QUICK),
+        2,
+        "'left_arm'",
+        "in no frame",
+        "groups file",
+    )
     told = tell("mocap-classify", place / "model.h5", asked, "--json", "--actors", "dan")
-    assert told[0] == 0 and all(answer["clip"].startswith(answer["answer"]) for answer in json.loads(told[1])["answers"])
+    assert told[0] == 0
+    assert all(answer["clip"].startswith(answer["answer"]) for answer in json.loads(told[1])["answers"])
     for one in lost:  # now a side of the body in turn: which way it faces is not known
         for frame, positions in enumerate(one.motion.positions):
             side = ("left", "right")[frame % 2]
             positions[[one.motion.skeleton.joints.index(f"{side}_{joint}") for joint in ("hip", "shoulder")]] = np.nan
-    fails(tell("mocap-classify", place / "model.h5", write(tmp_path / "gone.clips.h5", lost), output="y.h5"), 3, "gone.clips.h5", "no frame shows")
+    fails(
+        tell("mocap-classify", place / "model.h5", write(tmp_path / "gone.clips.h5", lost), output="y.h5"),
+        3,
+        "gone.clips.h5",
+        "no frame shows",
+    )
 
 
 def test_bones_without_length_are_no_body(place, tell, tmp_path):
     clips = every(repeats=1)
-    flat = [*clips[:-1], replace(clips[-1], name="dot", motion=replace(clips[-1].motion, positions=clips[-1].motion.positions * 0 + 1.0, rotations=None))]
+    flat = [
+        *clips[:-1],
+        replace(
+            clips[-1],
+            name="dot",
+            motion=replace(clips[-1].motion, positions=clips[-1].motion.positions * 0 + 1.0, rotations=None),
+        ),
+    ]
     asked = write(tmp_path / "flat.clips.h5", flat)
     for command, first in (("mocap-train", []), ("mocap-classify", [place / "model.h5"])):
         groups = [] if first else ["--groups", place / "groups.toml"]
@@ -321,11 +407,17 @@ def test_bones_without_length_are_no_body(place, tell, tmp_path):
 def test_a_joint_that_the_groups_file_makes_up_is_named(place, tell, tmp_path):
     text = (place / "groups.toml").read_text().replace("'left_foot'", "'left_fot'")
     (tmp_path / "wrong.toml").write_text(text)
-    fails(tell("mocap-train", place / "all.clips.h5", "--groups", tmp_path / "wrong.toml"), 2, "wrong.toml", "no joint 'left_fot'", "'left_foot'")
+    fails(
+        tell("mocap-train", place / "all.clips.h5", "--groups", tmp_path / "wrong.toml"),
+        2,
+        "wrong.toml",
+        "no joint 'left_fot'",
+        "'left_foot'",
+    )
 
 
 @pytest.mark.parametrize(
-    "arguments, messages",
+    ("arguments", "messages"),
     [
         (["--actors", "anne"], ["no actor 'anne'", "'ann'"]),
         (["--actions", "wawe"], ["no action 'wawe'", "'wave'"]),
@@ -347,9 +439,16 @@ def test_a_window_and_a_handful_exclude_each_other(place, tell):
 
 def test_a_split_that_leaves_nothing_to_learn_is_named(place, tell, tmp_path):
     alone = write(tmp_path / "alone.clips.h5", [one for one in every() if one.actor == "ann"])
-    fails(tell("mocap-evaluate", alone, "--groups", place / "groups.toml", "--split", "leave-one-out"), 2, "nothing to train on")
+    fails(
+        tell("mocap-evaluate", alone, "--groups", place / "groups.toml", "--split", "leave-one-out"),
+        2,
+        "nothing to train on",
+    )
 
 
 def test_the_console_script_is_the_same_command(place, tmp_path, capsys):
-    assert mocap_classify([str(place / "model.h5"), str(place / "all.clips.h5"), "-o", str(tmp_path / "x.h5"), "-n"]) == 0
-    assert "run, since it does not exist" in capsys.readouterr().err and not list(tmp_path.iterdir())
+    assert (
+        mocap_classify([str(place / "model.h5"), str(place / "all.clips.h5"), "-o", str(tmp_path / "x.h5"), "-n"]) == 0
+    )
+    assert "run, since it does not exist" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

@@ -58,16 +58,26 @@ def test_progress_goes_to_stderr_and_is_cleared_after_an_error(capsys, monkeypat
     monkeypatch.setattr("sys.stderr", Terminal())
     import sys
 
-    with pytest.raises(ZeroDivisionError), options.progress("fuse", Run()) as tell:
-        tell(0.5, "a")
-        raise ZeroDivisionError
+    def fail_half_way():
+        with options.progress("fuse", Run()) as tell:
+            tell(0.5, "a")
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail_half_way()
     assert "50%" in sys.stderr.getvalue()
     assert screen(sys.stderr.getvalue()) == ""
     assert capsys.readouterr().out == ""
 
 
 def test_json_is_strict_whatever_numbers_come(capsys):
-    result = {"output": Path("a/b.h5"), "rmse": np.float32(0.5), "none": float("nan"), "k": np.arange(2), "views": [{"share": np.inf}]}
+    result = {
+        "output": Path("a/b.h5"),
+        "rmse": np.float32(0.5),
+        "none": float("nan"),
+        "k": np.arange(2),
+        "views": [{"share": np.inf}],
+    }
     options.conclude(result, Run(json=True))
     expected = {"output": "a/b.h5", "rmse": 0.5, "none": None, "k": [0, 1], "views": [{"share": None}]}
     assert json.loads(capsys.readouterr().out, parse_constant=pytest.fail) == expected

@@ -30,7 +30,8 @@ def test_import_views_writes_a_window_of_the_sample_and_prints_its_path(tmp_path
     assert main(arguments) == 0
     assert capsys.readouterr().out == f"{output}\n"
     sequence = sequences.open(output)
-    assert sequence.names == ("004", "005", "006") and sequence.load("005").truth is not None
+    assert sequence.names == ("004", "005", "006")
+    assert sequence.load("005").truth is not None
     assert main([*arguments, "--json"]) == 0  # up to date
     assert json.loads(capsys.readouterr().out) == {"output": str(output)}
 
@@ -48,7 +49,9 @@ def test_import_views_writes_a_window_of_the_sample_and_prints_its_path(tmp_path
 def test_import_views_fails_in_one_line_with_the_right_code(tmp_path, capsys, arguments, code, message):
     assert main(["import-views", str(SHAPES), "-o", str(tmp_path / "x.h5"), *arguments]) == code
     captured = capsys.readouterr()
-    assert captured.out == "" and message in captured.err and captured.err.count("\n") == 1
+    assert captured.out == ""
+    assert message in captured.err
+    assert captured.err.count("\n") == 1
     assert not any(tmp_path.iterdir())
 
 

@@ -1,4 +1,6 @@
-"""fuse-depth killed at any moment, or on a full disk, leaves a file whole or not at all, and a re-run gives the same bytes."""
+"""fuse-depth killed at any moment, or on a full disk, leaves a file whole or not at all, and a re-run gives the same
+bytes.
+"""
 
 from __future__ import annotations
 
@@ -52,8 +54,10 @@ def undisturbed(source, tmp_path_factory):
         begun = time.monotonic()
         out, err = start(source, folder / name).communicate()
         elapsed = time.monotonic() - begun
-        assert out and not err
-    assert contents(folder / "first") == contents(folder / "second") and not strays(folder / "second")
+        assert out
+        assert not err
+    assert contents(folder / "first") == contents(folder / "second")
+    assert not strays(folder / "second")
     return contents(folder / "second"), elapsed
 
 
@@ -93,7 +97,8 @@ def rerun_in_one(source, folders, whole):
         h5.read(folder / "x.fused.h5", "depth"), ply.read(folder / "x.fused.ply")
         if (folder / "x.fused.run.json").exists() and strays(folder):  # up to date: nothing was written, nothing swept
             assert main([*arguments(source, folder)[3:], "--overwrite"]) == 0
-        assert not strays(folder) and contents(folder) == whole
+        assert not strays(folder)
+        assert contents(folder) == whole
 
 
 KILLED_BETWEEN_FILES = """
@@ -113,7 +118,9 @@ main(sys.argv[1:])
 
 @pytest.mark.skipif(os.name == "nt", reason="needs SIGKILL")
 @pytest.mark.parametrize("published", range(5))
-def test_a_run_killed_between_any_two_files_can_be_run_again_to_the_same_bytes(source, undisturbed, tmp_path, published):
+def test_a_run_killed_between_any_two_files_can_be_run_again_to_the_same_bytes(
+    source, undisturbed, tmp_path, published
+):
     """The page is renamed once while it is written; then page, mesh, artefact and run record are."""
     whole, _ = undisturbed
     command = [sys.executable, "-c", KILLED_BETWEEN_FILES, str(published), *arguments(source, tmp_path)[3:]]
@@ -133,8 +140,10 @@ def test_a_full_disk_is_exit_1_in_one_line_and_leaves_nothing(source, undisturbe
     folder = tmp_path / "out"
     process = start(source, folder, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
     out, err = process.communicate()
-    assert process.returncode == 1 and out == ""
-    assert err.count("\n") == 1 and err.startswith("Error: ")
+    assert process.returncode == 1
+    assert out == ""
+    assert err.count("\n") == 1
+    assert err.startswith("Error: ")
     assert not folder.exists() or not list(folder.iterdir())
 
 
@@ -149,4 +158,6 @@ def test_a_full_disk_keeps_the_files_that_were_there(source, undisturbed, tmp_pa
     command = [*arguments(source, tmp_path), "--overwrite", "--lambda", "1"]
     limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))  # noqa: E731
     done = subprocess.run(command, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, preexec_fn=limit)
-    assert done.returncode == 1 and contents(tmp_path) == before and not strays(tmp_path)
+    assert done.returncode == 1
+    assert contents(tmp_path) == before
+    assert not strays(tmp_path)

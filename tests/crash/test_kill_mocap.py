@@ -1,4 +1,6 @@
-"""mocap-train and mocap-evaluate killed at any moment go on where their chains were, to the bytes of a run that was not disturbed."""
+"""mocap-train and mocap-evaluate killed at any moment go on where their chains were, to the bytes of a run that was not
+disturbed.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,10 @@ from tests.mocap_clips import QUICK, every, write, write_groups
 
 ROOT = Path(__file__).parents[2]
 SUFFIXES = (".h5", ".html")
-COMMANDS = {"mocap-train": ("--frames", "30", *QUICK[2:]), "mocap-evaluate": ("--split", "leave-one-out", "--frames", "30", *QUICK[2:])}
+COMMANDS = {
+    "mocap-train": ("--frames", "30", *QUICK[2:]),
+    "mocap-evaluate": ("--split", "leave-one-out", "--frames", "30", *QUICK[2:]),
+}
 KILLED_WHEN = """
 import os, signal, sys
 from pathlib import Path
@@ -46,7 +51,15 @@ def source(tmp_path_factory):
 
 
 def arguments(command, source, folder):
-    return [command, str(source / "x.clips.h5"), "--groups", str(source / "groups.toml"), *COMMANDS[command], "-o", str(folder / "x.h5")]
+    return [
+        command,
+        str(source / "x.clips.h5"),
+        "--groups",
+        str(source / "groups.toml"),
+        *COMMANDS[command],
+        "-o",
+        str(folder / "x.h5"),
+    ]
 
 
 def contents(folder):
@@ -79,19 +92,30 @@ def test_killed_before_any_file_it_goes_on_and_learns_nothing_twice(undisturbed,
     line = [sys.executable, "-c", KILLED_WHEN, moment, *arguments(command, source, tmp_path)]
     done = subprocess.run(line, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True)
     assert done.returncode == -signal.SIGKILL, done.stderr
-    assert all(not path.exists() or path.read_bytes() == whole[path.suffix] for path in (tmp_path / f"x{suffix}" for suffix in SUFFIXES))
+    assert all(
+        not path.exists() or path.read_bytes() == whole[path.suffix]
+        for path in (tmp_path / f"x{suffix}" for suffix in SUFFIXES)
+    )
     before = {path.name for path in tmp_path.rglob(f"*{DONE}")}
     learnt = mixtures(monkeypatch)
     assert main(arguments(command, source, tmp_path)) == 0
     assert contents(tmp_path) == whole
-    assert not before & {*learnt} and (before or learnt) and len({*learnt}) == len(learnt)
+    assert not before & {*learnt}
+    assert before or learnt
+    assert len({*learnt}) == len(learnt)
     assert not [path for path in tmp_path.iterdir() if path.is_dir()]
 
 
 def test_killed_at_some_time_with_workers_it_comes_to_the_same_bytes(undisturbed, source, tmp_path):
     command, whole = undisturbed
     line = [sys.executable, "-m", "ipcli", *arguments(command, source, tmp_path), "--executor", "processes:2"]
-    process = subprocess.Popen(line, env=os.environ | {"PYTHONPATH": str(ROOT)}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    process = subprocess.Popen(
+        line,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
     time.sleep(2.5)
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()

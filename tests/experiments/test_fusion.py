@@ -1,4 +1,6 @@
-"""The experiments of chapter 4: the printed tables, the scale space, the generated recordings, and each target as QUICK=1."""
+"""The experiments of chapter 4: the printed tables, the scale space, the generated recordings, and each target as
+QUICK=1.
+"""
 
 import csv
 import importlib
@@ -40,7 +42,8 @@ def test_the_averages_that_the_thesis_prints_follow_from_its_columns(name):
     table = printed(name)
     for _, ours, values in table.rows:
         *three, average = values[: table.columns.index("Z-avg") + 1]
-        assert ours in LABELS and np.exp(np.mean(np.log(three))) == pytest.approx(average, rel=1e-3)
+        assert ours in LABELS
+        assert np.exp(np.mean(np.log(three))) == pytest.approx(average, rel=1e-3)
 
 
 def test_the_page_finds_every_table_and_bar():
@@ -53,7 +56,9 @@ def test_the_page_finds_every_table_and_bar():
 
 
 def test_a_box_goes_when_the_even_confidence_falls_below_its_perimeter_over_its_area():
-    """TV-L1 with c keeps a box of side a for c well above 4 / a and drops it for c well below (2 + sqrt(pi)) / a, whatever its height."""
+    """TV-L1 with c keeps a box of side a for c well above 4 / a and drops it for c well below (2 + sqrt(pi)) / a,
+    whatever its height.
+    """
     s = script("scale_space")
     image = s.boxes()
     for c in (0.3, 1.5):
@@ -74,7 +79,11 @@ def test_the_generated_street_is_one_scene_in_both_cameras_and_the_room_one_in_a
     disparity = kitti.truth(tmp_path / "street", "000000")
     rows, columns = np.nonzero(np.isfinite(disparity))
     matched = right[rows, np.round(columns - disparity[rows, columns]).astype(int)]
-    assert np.median(np.abs(left[rows, columns] - matched)) < 5 < np.median(np.abs(left[rows, columns] - right[rows, columns]))
+    assert (
+        np.median(np.abs(left[rows, columns] - matched))
+        < 5
+        < np.median(np.abs(left[rows, columns] - right[rows, columns]))
+    )
     assert len(kitti.poses(tmp_path / "street" / "poses", "000000")) == 12
     recordings.make_room(tmp_path / "room")
     room = sequences.open(tmp_path / "room", intrinsics=tuple(recordings.ROOM_CAMERA[[0, 1, 0, 1], [0, 1, 2, 2]]))
@@ -99,7 +108,8 @@ def test_a_quick_look_ends_in_a_page_with_figures_and_a_table(name, tmp_path):
     assert done.returncode == 0, done.stderr[-2000:]
     folder = tmp_path / "build" / "experiments" / f"fusion-{name}-quick"
     page, table = (folder / "index.html").read_text(), json.loads((folder / "index.json").read_text())
-    assert "quick look" in page and all(row["method"].split(",")[0] in page for row in table["rows"])
+    assert "quick look" in page
+    assert all(row["method"].split(",")[0] in page for row in table["rows"])
     with (folder / "index.csv").open() as stream:
         rows = {row["method"]: float(row["RMSE"]) for row in csv.DictReader(stream)}
     assert rows["tgv-l1"] < rows["median"] < rows["reference"]

@@ -34,7 +34,9 @@ def takes(monkeypatch):
 
 
 def test_the_printed_tables_are_read_and_their_largest_numbers_are_where_the_thesis_says(script):
-    """In kick and throw most clusters are in the left leg and in the left arm; the torso has the fewest in squat and walk."""
+    """In kick and throw most clusters are in the left leg and in the left arm; the torso has the fewest in squat and
+    walk.
+    """
     table = script.read_printed("5.2")
     groups = table.columns[2:]
     counts = {row[0]: dict(zip(groups, map(int, row[2:]), strict=True)) for row in table.rows}
@@ -47,16 +49,22 @@ def test_the_printed_tables_are_read_and_their_largest_numbers_are_where_the_the
 @pytest.mark.parametrize("name", ["hdm05", "florence", "utkinect"])
 def test_every_experiment_is_held_to_something_that_its_tables_have(script, name):
     bars = script.read_bars(name)
-    assert name in script.EXPERIMENTS and bars
+    assert name in script.EXPERIMENTS
+    assert bars
     for bar in bars:
-        assert bar.split in WORDS and bar.query in ("frames", "pose", "poses", "clips", "20", "5", "1")
+        assert bar.split in WORDS
+        assert bar.query in ("frames", "pose", "poses", "clips", "20", "5", "1")
         assert bar.goal is None or bar.goal > float(bar.bar)
 
 
 def test_a_take_goes_on_where_a_clip_ended_and_every_pose_stays_as_it_was(takes):
     parts = [clip(action, 0, 12) for action in ACTIONS]
     take = takes.strung(parts, GROUPS, "ann")
-    assert len(take.motion.positions) == 36 and list(take.frame_labels[[0, 11, 12, 35]]) == [parts[0].label] * 2 + [parts[1].label, parts[2].label]
+    assert len(take.motion.positions) == 36
+    assert list(take.frame_labels[[0, 11, 12, 35]]) == [parts[0].label] * 2 + [
+        parts[1].label,
+        parts[2].label,
+    ]
     root = take.motion.skeleton.joints.index(GROUPS.root)
     track, facing = take.motion.positions[:, root], heading(take.motion, GROUPS)
     for start in (12, 24):
@@ -73,7 +81,8 @@ def test_a_quick_look_at_takes_names_most_of_the_time_right(tmp_path):
     folder = made(tmp_path, "takes")
     with (folder / "index.csv").open() as stream:
         rows = list(csv.DictReader(stream))
-    assert len(rows) == 6 and all(float(row["time named right %"]) > 80 for row in rows if row["none allowed"] == "False")
+    assert len(rows) == 6
+    assert all(float(row["time named right %"]) > 80 for row in rows if row["none allowed"] == "False")
     assert all(float(row["called none %"]) == 0 for row in rows if row["none allowed"] == "False")
     assert "take of eve" in (folder / "index.html").read_text()
 
@@ -87,17 +96,20 @@ def test_a_quick_look_ends_in_a_page_and_a_table(name, tmp_path):
     with (folder / "index.csv").open() as stream:
         rows = {(row["method"], row["split"], row["query"]): float(row["right %"]) for row in csv.DictReader(stream)}
     assert len(rows) == len(table["rows"])
-    assert rows["aligned", "clips", "clips"] == 100 and rows["aligned", "frames", "frames"] > 90
+    assert rows["aligned", "clips", "clips"] == 100
+    assert rows["aligned", "frames", "frames"] > 90
 
 
 @pytest.mark.slow
 def test_the_demo_names_pages_that_are_there_and_all_that_a_stranger_does(tmp_path):
     told = make(tmp_path, "demo")
     pages = [Path(line.strip()) for line in told.splitlines() if line.endswith(".html")]
-    assert len(pages) == 3 and all(page.is_file() for page in pages)
+    assert len(pages) == 3
+    assert all(page.is_file() for page in pages)
     with (tmp_path / "build" / "demo" / "motions.recognition.csv").open() as stream:
         rows = list(csv.DictReader(stream))
-    assert len(rows) == 12 and all(row["clip"].split(".")[:2] == [row["action"], "eve"] for row in rows)
+    assert len(rows) == 12
+    assert all(row["clip"].split(".")[:2] == [row["action"], "eve"] for row in rows)
 
 
 def made(place, name):

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ipcli.errors import FormatError, ParameterError
 from ipcli.geometry.cameras import View, back_project, check, project, rays, relative, transform, window
@@ -64,7 +65,8 @@ def test_window_holds_k_neighbours_with_the_reference_as_central_as_the_ends_all
     at, k = data.draw(st.integers(0, count - 1)), data.draw(st.integers(1, 40))
     found = window(names, names[at], k)
     first = names.index(found[0])
-    assert found == names[first : first + min(k, count)] and names[at] in found
+    assert found == names[first : first + min(k, count)]
+    assert names[at] in found
     before, after = at - first, first + len(found) - 1 - at
     touches_an_end = first == 0 or first + len(found) == count
     assert touches_an_end or after - before in (0, 1)

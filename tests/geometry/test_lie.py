@@ -40,7 +40,9 @@ def test_exp_is_the_matrix_exponential_and_log_its_inverse(seed):
 
 
 def test_half_a_turn_and_the_identity_have_logarithms():
-    np.testing.assert_allclose(lie.log(np.stack([np.eye(3), np.diag([-1.0, 1, -1])])), [[0, 0, 0], [0, np.pi, 0]], atol=1e-15)
+    np.testing.assert_allclose(
+        lie.log(np.stack([np.eye(3), np.diag([-1.0, 1, -1])])), [[0, 0, 0], [0, np.pi, 0]], atol=1e-15
+    )
 
 
 def test_unknown_rotations_give_unknown_logarithms_and_leave_the_others_alone():
@@ -50,7 +52,8 @@ def test_unknown_rotations_give_unknown_logarithms_and_leave_the_others_alone():
     assert np.isnan(logs[1, 0]).all()
     np.testing.assert_array_equal(logs[0], lie.log(many[0]))
     np.testing.assert_allclose(lie.exp(logs)[2], many[2], atol=1e-14)
-    assert np.isnan(lie.exp(logs)[1, 0]).all() and lie.log(np.empty((0, 3, 3))).shape == (0, 3)
+    assert np.isnan(lie.exp(logs)[1, 0]).all()
+    assert lie.log(np.empty((0, 3, 3))).shape == (0, 3)
 
 
 @given(seeds)
@@ -131,7 +134,9 @@ def test_product_log_and_exp_are_inverse_and_follow_the_geodesic_of_5_5(seed):
 
     turn, move = (after - before for after, before in zip(at(h), at(-h), strict=True))
     omega = np.swapaxes(rotation, -1, -2) @ turn / (2 * h)
-    np.testing.assert_allclose(twists[..., :3], np.stack([omega[..., 2, 1], omega[..., 0, 2], omega[..., 1, 0]], -1), atol=1e-8)
+    np.testing.assert_allclose(
+        twists[..., :3], np.stack([omega[..., 2, 1], omega[..., 0, 2], omega[..., 1, 0]], -1), atol=1e-8
+    )
     np.testing.assert_allclose(twists[..., 3:], np.einsum("...ji,...j->...i", rotation, move / (2 * h)), atol=1e-8)
 
 

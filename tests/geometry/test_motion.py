@@ -31,7 +31,8 @@ def test_uniform_motion_is_resampled_exactly(rate):
     whole = moving(61)
     found = motion.resample(whole, rate)
     count = int(np.floor(60 / 120 * rate + 1e-9)) + 1
-    assert found.rate == rate and len(found.positions) == count
+    assert found.rate == rate
+    assert len(found.positions) == count
     times = np.arange(count)[:, None, None] / rate
     speed = (whole.positions[1] - whole.positions[0]) * 120
     np.testing.assert_allclose(found.positions, whole.positions[0] + times * speed, atol=1e-12)
@@ -49,7 +50,9 @@ def test_next_to_an_unknown_frame_nothing_is_made_up():
     whole = moving(9)
     whole.positions[4, 2] = np.nan
     found = motion.resample(whole, 240).positions
-    assert np.isnan(found[[7, 8, 9], 2]).all() and np.isfinite(found[[6, 10], 2]).all() and np.isfinite(found[8, [0, 1, 3, 4]]).all()
+    assert np.isnan(found[[7, 8, 9], 2]).all()
+    assert np.isfinite(found[[6, 10], 2]).all()
+    assert np.isfinite(found[8, [0, 1, 3, 4]]).all()
 
 
 def test_one_frame_stays_one_and_labels_go_along():
@@ -99,7 +102,10 @@ def test_in_a_mirror_left_and_right_change_places_and_distances_stay(up):
     apart = [np.linalg.norm(x[:, :, None] - x[:, None], axis=-1) for x in (image.positions, swapped)]
     np.testing.assert_allclose(*apart)
     np.testing.assert_allclose(image.positions @ up, swapped @ up)
-    np.testing.assert_allclose(np.linalg.det(image.positions[:, :3] - image.positions[:, 3:4]), -np.linalg.det(swapped[:, :3] - swapped[:, 3:4]))
+    np.testing.assert_allclose(
+        np.linalg.det(image.positions[:, :3] - image.positions[:, 3:4]),
+        -np.linalg.det(swapped[:, :3] - swapped[:, 3:4]),
+    )
     np.testing.assert_allclose(np.linalg.det(image.rotations), 1)
     again = motion.mirrored(image, groups)
     np.testing.assert_array_equal(again.positions, whole.positions)
@@ -111,7 +117,15 @@ def test_a_mirrored_body_is_put_together_by_the_mirrored_rotations():
     whole = poses(6, 1)
     image = motion.mirrored(whole, BODY)
     skeleton, flip = whole.skeleton, np.array([-1.0, 1, 1])
-    local = np.stack([image.rotations[:, joint] if parent < 0 else np.swapaxes(image.rotations[:, parent], -1, -2) @ image.rotations[:, joint] for joint, parent in enumerate(skeleton.parents)], axis=1)  # fmt: skip
+    local = np.stack(
+        [
+            image.rotations[:, joint]
+            if parent < 0
+            else np.swapaxes(image.rotations[:, parent], -1, -2) @ image.rotations[:, joint]
+            for joint, parent in enumerate(skeleton.parents)
+        ],
+        axis=1,
+    )
     offsets = np.where(np.array(skeleton.parents)[None, :, None] < 0, whole.positions * flip, OFFSETS)
     np.testing.assert_allclose(forward_kinematics(skeleton, local, offsets)[1], image.positions, atol=1e-12)
 
@@ -132,4 +146,6 @@ def test_rotations_from_positions_carry_x_onto_each_bone():
     bone = positions[:, 3] - positions[:, 1]
     np.testing.assert_allclose(found[:, 3, :, 0], bone / np.linalg.norm(bone, axis=-1, keepdims=True), atol=1e-14)
     np.testing.assert_array_equal(found[:, 1], np.broadcast_to(np.eye(3), (4, 3, 3)))
-    assert np.isnan(found[1, [2, 4]]).all() and np.isnan(found[2, 0]).all() and np.isfinite(found[0]).all()
+    assert np.isnan(found[1, [2, 4]]).all()
+    assert np.isnan(found[2, 0]).all()
+    assert np.isfinite(found[0]).all()

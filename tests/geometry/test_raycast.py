@@ -35,7 +35,8 @@ def test_the_depth_of_a_sphere_is_that_of_the_closed_form_from_every_place_of_th
         depth, image = caster.view(SHAPE, CAMERA, pose)
         np.testing.assert_allclose(depth[well_inside], expected[well_inside], atol=1e-3)
         assert np.isnan(depth[inside < 0]).all()
-        assert (image[np.isnan(depth)] == raycast.BACKGROUND).all() and image[60, 80, 0] == 225
+        assert (image[np.isnan(depth)] == raycast.BACKGROUND).all()
+        assert image[60, 80, 0] == 225
 
 
 def test_depth_is_measured_along_the_optical_axis():
@@ -84,7 +85,8 @@ def test_an_object_fills_the_unit_sphere_upright_and_is_not_mirrored(up):
     assert np.linalg.norm(scaled, axis=1).max() == pytest.approx(1)
     np.testing.assert_allclose(scaled.min(axis=0), -scaled.max(axis=0), atol=1e-12)
     edges = scaled[1:] - scaled[0]
-    assert np.linalg.det(edges) > 0 and edges["xyz".index(up), 1] > 0
+    assert np.linalg.det(edges) > 0
+    assert edges["xyz".index(up), 1] > 0
 
 
 def test_a_scene_stands_on_the_ground():

@@ -27,7 +27,8 @@ def test_outliers_replace_their_share_by_values_in_the_range():
     observed = observe(truth, seeded(), ("gauss", 0.0), outliers=0.1)
     wild = observed != truth.astype(np.float32)
     assert wild.mean() == pytest.approx(0.1, abs=0.005)
-    assert observed.min() >= 2.0 and observed.max() <= 4.0
+    assert observed.min() >= 2.0
+    assert observed.max() <= 4.0
     assert np.corrcoef(observed[wild], truth[wild])[0, 1] == pytest.approx(0, abs=0.04)
 
 
@@ -42,7 +43,8 @@ def test_missing_stays_missing_and_does_not_shift_the_draws_of_its_neighbours():
 
 def test_depth_is_never_observed_at_or_behind_the_camera():
     observed = observe(np.full((100, 100), 0.1), seeded(), ("gauss", 1.0))
-    assert np.isnan(observed).any() and (observed[np.isfinite(observed)] > 0).all()
+    assert np.isnan(observed).any()
+    assert (observed[np.isfinite(observed)] > 0).all()
 
 
 @pytest.mark.parametrize("text", ["laplace", "laplace:", "laplace:-1", "laplace:nan", "gauss:inf", "uniform:1", ""])

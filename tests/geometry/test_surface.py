@@ -46,7 +46,9 @@ def test_normals_of_a_sphere_point_away_from_its_centre_within_a_degree():
     outward /= np.linalg.norm(outward, axis=-1, keepdims=True)
     frontal = (-points * outward).sum(axis=-1) > 0.5 * np.linalg.norm(points, axis=-1)  # not where it turns away
     angle = np.degrees(np.arccos(np.clip((n * outward).sum(axis=-1), -1, 1)))[frontal]
-    assert angle.size > 200 and angle.mean() < 0.5 and angle.max() < 1
+    assert angle.size > 200
+    assert angle.mean() < 0.5
+    assert angle.max() < 1
 
 
 def test_normals_do_not_smear_over_an_edge_and_stop_at_gaps():
@@ -76,7 +78,8 @@ def test_triangles_turn_counter_clockwise_as_seen_from_the_camera_and_cover_the_
     assert (np.einsum("ij,ij->i", np.cross(b - a, c - a), a) < 0).all()
     v, u = np.divmod(pixels[faces], SHAPE[1])
     area = ((u[:, 1] - u[:, 0]) * (v[:, 2] - v[:, 0]) - (u[:, 2] - u[:, 0]) * (v[:, 1] - v[:, 0])) / 2
-    assert (np.abs(area) == 0.5).all() and np.abs(area).sum() == (SHAPE[0] - 1) * (SHAPE[1] - 1)
+    assert (np.abs(area) == 0.5).all()
+    assert np.abs(area).sum() == (SHAPE[0] - 1) * (SHAPE[1] - 1)
 
 
 def test_a_jump_is_left_open_in_either_direction():
@@ -85,7 +88,8 @@ def test_a_jump_is_left_open_in_either_direction():
     across = lambda faces: ((faces % 6 < 3).any(axis=1) & (faces % 6 >= 3).any(axis=1)).sum()  # noqa: E731
     for image in (depth, depth[:, ::-1]):
         pixels, faces = triangulate(image, np.ones((4, 6), bool), jump=0.05)
-        assert across(pixels[faces]) == 0 and len(faces) == 2 * 3 * 4
+        assert across(pixels[faces]) == 0
+        assert len(faces) == 2 * 3 * 4
         assert across(triangulate(image, np.ones((4, 6), bool), jump=0.11)[1]) == 2 * 3
 
 
@@ -95,10 +99,12 @@ def test_only_kept_pixels_are_vertices_and_faces_index_them():
     depth[~keep] = np.nan
     pixels, faces = triangulate(depth, keep)
     np.testing.assert_array_equal(pixels, np.flatnonzero(keep))
-    assert faces.min() >= 0 and faces.max() < len(pixels)
+    assert faces.min() >= 0
+    assert faces.max() < len(pixels)
     corners = pixels[faces]
     assert keep.ravel()[corners].all()
     quads = keep[:-1, :-1] & keep[:-1, 1:] & keep[1:, 1:] & keep[1:, :-1]
     assert len(faces) == 2 * quads.sum()
     none = triangulate(depth, np.zeros(SHAPE, bool))
-    assert none[0].size == 0 and none[1].shape == (0, 3)
+    assert none[0].size == 0
+    assert none[1].shape == (0, 3)

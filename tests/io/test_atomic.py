@@ -31,9 +31,14 @@ def test_write_makes_the_folder_and_replaces_the_file_leaving_nothing_else(tmp_p
 
 def test_an_exception_leaves_the_old_file_and_no_temporary(tmp_path):
     atomic.write_bytes(tmp_path / "f", b"old")
-    with pytest.raises(ZeroDivisionError), atomic.replacing(tmp_path / "f") as temporary:
-        temporary.write_bytes(b"half")
-        raise ZeroDivisionError
+
+    def fail_half_way():
+        with atomic.replacing(tmp_path / "f") as temporary:
+            temporary.write_bytes(b"half")
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail_half_way()
     assert [(entry.name, entry.read_bytes()) for entry in tmp_path.iterdir()] == [("f", b"old")]
 
 

@@ -35,10 +35,13 @@ def test_markers_in_metres_with_what_is_lost_unknown(written):
     lost = 1000 * points
     lost[:, 1, 1] = np.nan
     motion = c3d.read(written(points=lost))
-    assert motion.skeleton.joints == ("LFHD", "C7") and motion.skeleton.parents == (-1, -1) and motion.rate == 50
+    assert motion.skeleton.joints == ("LFHD", "C7")
+    assert motion.skeleton.parents == (-1, -1)
+    assert motion.rate == 50
     np.testing.assert_allclose(motion.positions[[0, 2]], points.transpose(2, 1, 0)[[0, 2]], rtol=1e-6)
     np.testing.assert_allclose(motion.positions[1, 0], points[:, 0, 1], rtol=1e-6)
-    assert np.isnan(motion.positions[1, 1]).all() and motion.rotations is None
+    assert np.isnan(motion.positions[1, 1]).all()
+    assert motion.rotations is None
 
 
 def test_units_are_those_of_the_file_unless_told(written):
@@ -70,5 +73,7 @@ def test_no_markers_damage_and_no_file(written, tmp_path):
 
 def test_without_the_extra_it_is_named(written, monkeypatch):
     monkeypatch.setitem(sys.modules, "ezc3d", None)
-    with pytest.raises(IpcliError, match=r"a.c3d: C3D files need the package ezc3d. Install it with pip install 'ipcli\[c3d\]'"):
+    with pytest.raises(
+        IpcliError, match=r"a.c3d: C3D files need the package ezc3d. Install it with pip install 'ipcli\[c3d\]'"
+    ):
         c3d.read(written())

@@ -13,7 +13,9 @@ GOOD = f"width = 6\nheight = 4\nintrinsics = [5.0, 5, 2.5, 1.5]\n{POSE}\n"
 def test_a_camera_is_a_view_that_has_seen_nothing(tmp_path):
     (tmp_path / "mine.toml").write_text(GOOD)
     view = camera.read(tmp_path / "mine.toml")
-    assert view.name == "mine" and view.depth.shape == (4, 6) and np.isnan(view.depth).all()
+    assert view.name == "mine"
+    assert view.depth.shape == (4, 6)
+    assert np.isnan(view.depth).all()
     np.testing.assert_array_equal(view.intrinsics, [[5, 0, 2.5], [0, 5, 1.5], [0, 0, 1]])
     assert view.cam_from_world[0, 3] == 0.5
 
@@ -35,4 +37,5 @@ def test_a_wrong_camera_is_refused_in_one_line_that_names_the_file(tmp_path, tex
     (tmp_path / "mine.toml").write_text(text)
     with pytest.raises(FormatError, match=says) as caught:
         camera.read(tmp_path / "mine.toml")
-    assert "mine.toml" in str(caught.value) and "\n" not in str(caught.value)
+    assert "mine.toml" in str(caught.value)
+    assert "\n" not in str(caught.value)

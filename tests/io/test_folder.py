@@ -120,7 +120,8 @@ def test_confidence_and_truth_come_along_by_stem(plain, views):
     np.testing.assert_allclose(first.confidence, confidence)
     np.testing.assert_allclose(second.confidence, confidence, atol=0.5 / 255)
     np.testing.assert_array_equal(third.truth, views[2].depth)
-    assert first.truth is None and third.confidence is None
+    assert first.truth is None
+    assert third.confidence is None
 
 
 def test_disparities_become_depth_by_baseline_and_focal_length(plain, views):
@@ -227,4 +228,5 @@ def test_a_broken_folder_is_refused_in_one_line_that_names_the_place(plain, dama
     damage(plain)
     with pytest.raises((FormatError, ParameterError), match=message) as refusal:
         read_all(plain)
-    assert "\n" not in str(refusal.value) and str(plain) in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+    assert str(plain) in str(refusal.value)

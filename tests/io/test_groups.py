@@ -37,7 +37,8 @@ def test_shipped_groups_are_the_six_of_the_thesis(name):
     assert all(len(joints) >= 2 for joints in found.parts.values())
     for part, joints in found.parts.items():
         mirrored = found.parts[part.replace("left", "right")]
-        assert len(joints) == len(mirrored) and (joints == mirrored) == ("left" not in part and part == part.replace("left", "right"))
+        assert len(joints) == len(mirrored)
+        assert (joints == mirrored) == ("left" not in part and part == part.replace("left", "right"))
 
 
 @pytest.mark.parametrize("skeleton", [kinect.KINECT, kinect.FLORENCE])
@@ -59,7 +60,8 @@ def test_groups_are_found_by_the_joints(skeleton, name):
 def test_a_file_of_ones_own_is_read(written):
     found = groups.find(str(written(GOOD)), SKELETON)
     np.testing.assert_array_equal(found.indices(SKELETON)["trunk"], [0, 1])
-    assert found.up == (0.0, 1.0, 0.0) and found.source == "own.toml"
+    assert found.up == (0.0, 1.0, 0.0)
+    assert found.source == "own.toml"
 
 
 @pytest.mark.parametrize(

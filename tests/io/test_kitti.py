@@ -33,7 +33,8 @@ def test_scenes_and_frames_are_those_with_both_images(folder):
     assert kitti.scenes(folder) == ("000003", "000007")
     assert kitti.frames(folder, "000003") == ("10", "11")
     left, right = kitti.pair(folder, "000003", "11")
-    assert left.shape == (20, 40, 3) and (left.max(), right.min()) == (100, 101)
+    assert left.shape == (20, 40, 3)
+    assert (left.max(), right.min()) == (100, 101)
     with pytest.raises(FormatError, match="no stereo pair of scene '000004'.*Scenes here: 000003, 000007"):
         kitti.frames(folder, "000004")
 
@@ -101,7 +102,8 @@ def test_poses_come_from_a_table_of_all_scenes_without_the_frames_it_lacks(tmp_p
     table[3, 8, 0, 3] = 2.5
     npz.write(tmp_path / "poses.npz", {"viso": table, "gm": table + 1})
     poses = kitti.poses(tmp_path / "poses.npz", "000003")
-    assert list(poses) == ["07", "08", "09", "10", "11"] and poses["08"][0, 3] == 2.5
+    assert list(poses) == ["07", "08", "09", "10", "11"]
+    assert poses["08"][0, 3] == 2.5
     with pytest.raises(FormatError, match="no poses by 'orb' .expected one of gm, viso"):
         kitti.poses(tmp_path / "poses.npz", "000003", "orb")
     with pytest.raises(FormatError, match="no poses of scene '000008' .expected a number below 8"):

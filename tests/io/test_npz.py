@@ -11,7 +11,10 @@ from ipcli.io import npz
 
 IN_FOLDER = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 DTYPES = st.sampled_from(["?", "i1", "<u2", ">i4", "<f4", "<f8", "<c16"])
-ARRAYS = st.dictionaries(st.sampled_from(["file", "a", "b c", "é", "x.npy"]), nps.arrays(DTYPES, nps.array_shapes(min_dims=0, min_side=0, max_dims=3, max_side=3)))
+ARRAYS = st.dictionaries(
+    st.sampled_from(["file", "a", "b c", "é", "x.npy"]),
+    nps.arrays(DTYPES, nps.array_shapes(min_dims=0, min_side=0, max_dims=3, max_side=3)),
+)
 
 
 @IN_FOLDER

@@ -134,13 +134,19 @@ def test_flipped_bytes_of_the_header_give_a_mesh_or_a_format_error(tmp_path):
     assert refused > 100  # names of properties and comments may change, the rest may not
 
 
-HEADER = "ply\nformat {form} 1.0\nelement vertex {n}\nproperty float x\nproperty float y\nproperty float z\n{rest}end_header\n{data}"
+HEADER = (
+    "ply\nformat {form} 1.0\nelement vertex {n}\nproperty float x\nproperty float y\nproperty float "
+    "z\n{rest}end_header\n{data}"
+)
 FACE = "element face 1\nproperty list uchar int vertex_indices\n"
 DAMAGES = {
     "big endian": ({"form": "binary_big_endian"}, "header line not understood: format binary_big_endian"),
     "no vertices": ({"n": "x"}, "header line not understood: element vertex x"),
     "quads": ({"rest": FACE, "data": "0 0 0\n4 0 0 0 0\n"}, "data do not fit the header"),
-    "missing corner": ({"rest": FACE, "data": "0 0 0\n3 0 0 1\n"}, "faces of missing vertices .expected indices below 1, got 1"),
+    "missing corner": (
+        {"rest": FACE, "data": "0 0 0\n3 0 0 1\n"},
+        "faces of missing vertices .expected indices below 1, got 1",
+    ),
     "negative corner": ({"rest": FACE, "data": "0 0 0\n3 0 0 -1\n"}, "faces of missing vertices"),
     "count of two": ({"rest": FACE, "data": "0 0 0\n2 0 0 0\n"}, "faces that are not triangles"),
     "words": ({"data": "0 0 a\n"}, "data do not fit the header"),

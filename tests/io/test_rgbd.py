@@ -44,7 +44,8 @@ def tum(tmp_path, views) -> Path:
 
 def test_tum_frames_get_the_pose_and_the_colour_nearest_in_time(tum, views, same):
     sequence = rgbd.open_tum(tum, intrinsics=CAMERA)
-    assert sequence.names == ("10.00", "10.10", "10.20") and (sequence.unit, sequence.measured) == ("m", "depth")
+    assert sequence.names == ("10.00", "10.10", "10.20")
+    assert (sequence.unit, sequence.measured) == ("m", "depth")
     for name, view in zip(sequence.names, views, strict=True):
         same(sequence.load(name), view)
     assert sequence.files("10.10") == (tum / "depth/10.10.png", tum / "rgb/10.10.png", tum / "groundtruth.txt")
@@ -170,7 +171,8 @@ def test_both_marks_of_missing_depth_become_nan(seven_scenes):
     stored[0, 0], stored[0, 1], stored[0, 2] = 0, 65535, 65534
     cv2.imwrite(str(path), stored)
     depth = rgbd.open_seven_scenes(seven_scenes).load("frame-000001").depth
-    assert np.isnan(depth[0, :2]).all() and depth[0, 2] == np.float32(65.534)
+    assert np.isnan(depth[0, :2]).all()
+    assert depth[0, 2] == np.float32(65.534)
 
 
 def test_a_frame_is_read_only_when_asked_for(seven_scenes):

@@ -47,7 +47,9 @@ def test_npz_reads_back_with_rotations_in_either_form(tmp_path, positions):
     half = np.linalg.norm(lie.log(rotations), axis=-1, keepdims=True) / 2
     quaternions = np.concatenate([lie.log(rotations) / (2 * half) * np.sin(half), np.cos(half)], axis=-1)
     for stored in (rotations, quaternions):
-        np.savez(tmp_path / "a.npz", positions=100 * positions, joints=JOINTS, parents=PARENTS, rate=25, rotations=stored)
+        np.savez(
+            tmp_path / "a.npz", positions=100 * positions, joints=JOINTS, parents=PARENTS, rate=25, rotations=stored
+        )
         motion = tables.read_npz(tmp_path / "a.npz", unit=0.01)
         np.testing.assert_allclose(motion.positions, positions)
         np.testing.assert_allclose(motion.rotations, rotations, atol=1e-14)

@@ -44,7 +44,9 @@ def twin(own, other):
     agrees = inside & (np.abs(apart) <= limit) & ((plane * (normals @ motion[:3, :3].T)).sum(axis=2) >= COSINE)
     precision = observations[row, column] * (confidence[row, column].astype(np.float64) / noise[row, column]) ** 2
     where = transform(np.linalg.inv(motion), there[..., None] * ray)
-    sums = np.concatenate([where * precision[..., None], np.stack([precision, confidence[row, column]], axis=2)], axis=2)
+    sums = np.concatenate(
+        [where * precision[..., None], np.stack([precision, confidence[row, column]], axis=2)], axis=2
+    )
     return np.where(agrees[..., None], sums, 0), np.stack([agrees, through], axis=2)
 
 
@@ -60,9 +62,21 @@ def test_ask_is_the_geometry_of_whole_arrays(shapes, turn):
     with np.errstate(invalid="ignore"):
         expected_sums, expected_votes = twin(own, other)
     for _ in range(2):  # it adds
-        ask(sums, votes, *own[:2], np.linalg.inv(own[-2]), motion, *other[:5], np.linalg.inv(other[-2]), other[-2], limits)
+        ask(
+            sums,
+            votes,
+            *own[:2],
+            np.linalg.inv(own[-2]),
+            motion,
+            *other[:5],
+            np.linalg.inv(other[-2]),
+            other[-2],
+            limits,
+        )
     np.testing.assert_array_equal(votes, 2 * expected_votes)
     np.testing.assert_allclose(sums, 2 * expected_sums, rtol=1e-9, atol=1e-9)
     if shapes[0] == shapes[1] and abs(turn) < 0.1:
         agrees, through = expected_votes.reshape(-1, 2).T
-        assert agrees.sum() > 50 and through.sum() > 50 and not (agrees & through).any()
+        assert agrees.sum() > 50
+        assert through.sum() > 50
+        assert not (agrees & through).any()

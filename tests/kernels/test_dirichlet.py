@@ -1,4 +1,6 @@
-"""The sampler's kernels against plain NumPy: points put in and taken out, predictives, one sweep with the same random numbers."""
+"""The sampler's kernels against plain NumPy: points put in and taken out, predictives, one sweep with the same random
+numbers.
+"""
 
 import numpy as np
 import pytest
@@ -9,12 +11,16 @@ from ipcli.kernels import points as point_kernels
 
 
 def setting(n, d, seed):
-    """Points, and a base measure as the kernels and as NumPy take it: (x, xi, rho, beta, chol, alpha), `NormalWishart`."""
+    """Points, and a base measure as the kernels and as NumPy take it: (x, xi, rho, beta, chol, alpha),
+    `NormalWishart`.
+    """
     rng = np.random.default_rng(seed)
     root = rng.normal(size=(d, d))
     psi = root @ root.T + 0.5 * np.eye(d)
     xi, rho, beta, alpha = rng.normal(size=d), 0.3, d + 0.7, 0.8
-    return (rng.normal(size=(n, d)) * 2, xi, rho, beta, np.linalg.cholesky(psi), alpha), NormalWishart.one(xi, rho, beta, psi)
+    return (rng.normal(size=(n, d)) * 2, xi, rho, beta, np.linalg.cholesky(psi), alpha), NormalWishart.one(
+        xi, rho, beta, psi
+    )
 
 
 def psi_of(clusters, k):
@@ -29,12 +35,19 @@ def test_points_put_in_and_taken_out_again_leave_a_cluster_as_it_was_and_as_comp
     kernels._open(clusters, 1, base)
     for point in x[:20]:
         kernels._add(clusters, 1, point, base, scratch)
-    before = clusters.lower[:, :, 1].copy(), clusters.inverse[:, 1].copy(), clusters.mean[:, 1].copy(), clusters.logdet[1]
+    before = (
+        clusters.lower[:, :, 1].copy(),
+        clusters.inverse[:, 1].copy(),
+        clusters.mean[:, 1].copy(),
+        clusters.logdet[1],
+    )
     for point in x[20:]:
         kernels._add(clusters, 1, point, base, scratch)
     for point in x[20:]:
         assert kernels._take(clusters, 1, point, base, scratch)
-    for was, now in zip(before, (clusters.lower[:, :, 1], clusters.inverse[:, 1], clusters.mean[:, 1], clusters.logdet[1]), strict=True):
+    for was, now in zip(
+        before, (clusters.lower[:, :, 1], clusters.inverse[:, 1], clusters.mean[:, 1], clusters.logdet[1]), strict=True
+    ):
         np.testing.assert_allclose(now, was, rtol=1e-10, atol=1e-10)
     post = prior.posterior(Points.of(x[:20], np.zeros(20, int), 1))
     np.testing.assert_allclose(psi_of(clusters, 1), post.psi[0], rtol=1e-10, atol=1e-10)
@@ -43,7 +56,9 @@ def test_points_put_in_and_taken_out_again_leave_a_cluster_as_it_was_and_as_comp
 
 
 def scores(x, labels, i, prior, alpha, k):
-    """log weight times predictive of point i at a new cluster, then at each of the k of the others; -inf at those that are empty."""
+    """log weight times predictive of point i at a new cluster, then at each of the k of the others; -inf at those that
+    are empty.
+    """
     others = np.delete(np.arange(len(x)), i)
     points = Points.of(x[others], labels[others], k)
     known = prior.posterior(points).predictive().log_density(x[i : i + 1])[0]
@@ -64,7 +79,9 @@ def test_a_point_asks_about_the_others_of_its_cluster_without_being_taken_out(d)
 
 
 def plain_sweep(x, labels, prior, alpha, rng):
-    """A sweep by NumPy. Labels are not renumbered until its end; the label given up last is the first to be used again."""
+    """A sweep by NumPy. Labels are not renumbered until its end; the label given up last is the first to be
+    used again.
+    """
     free, slots = [], labels.max() + 1
     for i in range(len(x)):
         found = scores(x, labels, i, prior, alpha, slots)

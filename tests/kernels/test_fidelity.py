@@ -18,7 +18,9 @@ RHO = np.float32(1.5)
 
 @dataclass
 class Case:
-    """K observations a pixel as layers (K, h, w), +inf and weight 0 where there is none, and as the kernels want them."""
+    """K observations a pixel as layers (K, h, w), +inf and weight 0 where there is none, and as the kernels
+    want them.
+    """
 
     layers: np.ndarray
     weights: np.ndarray
@@ -76,10 +78,19 @@ def test_prox_l1_is_the_median_formula_of_li_and_osher(case, tau):
 
 @given(cases(), st.sampled_from([0.125, 0.5, 2.0]))
 def test_prox_l1_is_the_best_of_all_points_a_minimiser_can_be(case, tau):
-    """A minimiser is an observation, or where the square balances one of the slopes that subsets of the data can give."""
+    """A minimiser is an observation, or where the square balances one of the slopes that subsets of the data
+    can give.
+    """
     signs = np.sign(np.arange(len(case.layers) + 1)[:, None] - np.arange(len(case.layers)) - 0.5)  # below + ... - above
-    slopes = np.einsum("mk,ikj->mij", -signs, case.weights[np.argsort(case.layers, axis=0, kind="stable"),
-                       np.arange(case.y.shape[0])[:, None], np.arange(case.y.shape[1])].transpose(1, 0, 2))  # fmt: skip
+    slopes = np.einsum(
+        "mk,ikj->mij",
+        -signs,
+        case.weights[
+            np.argsort(case.layers, axis=0, kind="stable"),
+            np.arange(case.y.shape[0])[:, None],
+            np.arange(case.y.shape[1]),
+        ].transpose(1, 0, 2),
+    )
     candidates = np.concatenate([case.finite, case.y + tau * case.scale * slopes])
     distance = np.abs(candidates[:, None] - case.finite) * case.weights
     costs = case.scale * distance.sum(axis=1) + (candidates - case.y) ** 2 / (2 * tau)
@@ -109,7 +120,9 @@ def prox_huber(case, width, tau):
 def test_prox_huber_does_not_go_to_and_fro_between_the_slopes_beside_the_root():
     """Newton's step leads from 0.25 to 2.25 and back; the root 3.125 / 5.5 lies between."""
     layers = np.array([0.5, 0, 0], np.float32).reshape(3, 1, 1)
-    case = Case(layers, np.ones_like(layers), np.full((1, 1), 0.5, np.float32), np.full((1, 1), 3.25, np.float32), False)
+    case = Case(
+        layers, np.ones_like(layers), np.full((1, 1), 0.5, np.float32), np.full((1, 1), 3.25, np.float32), False
+    )
     point = prox_huber(case, width=0.1, tau=2)
     assert point.item() == pytest.approx(3.125 / 5.5, abs=1e-6)
 

@@ -1,4 +1,6 @@
-"""The iteration of TGV: its half steps against the operators and proximal maps they are made of, whole sweeps against half steps."""
+"""The iteration of TGV: its half steps against the operators and proximal maps they are made of, whole sweeps against
+half steps.
+"""
 
 import numpy as np
 import pytest
@@ -68,7 +70,8 @@ def test_dual_ascent_without_relaxation_ends_feasible_and_never_fills_difference
     kernels.dual_ascent(p, q, 10 * x, 10 * v, SIGMA, alpha1, ALPHA0, np.float32(1))
     assert (np.sqrt((p**2).sum(axis=0)) <= alpha1 * (1 + 1e-6)).all()
     assert np.sqrt(q[0] ** 2 + q[1] ** 2 + 2 * q[2] ** 2).max() <= ALPHA0 * (1 + 1e-6)
-    assert not p[exist(2, shape) == 0].any() and not q[exist(3, shape) == 0].any()
+    assert not p[exist(2, shape) == 0].any()
+    assert not q[exist(3, shape) == 0].any()
 
 
 @pytest.mark.parametrize("weighted", [False, True])
@@ -77,10 +80,16 @@ def test_dual_ascent_without_relaxation_ends_feasible_and_never_fills_difference
 def test_a_sweep_is_as_many_iterations_of_the_half_steps_bit_by_bit(shape, iterations, weighted):
     rng = np.random.default_rng(3)
     h, w = shape
-    stack = np.sort(np.where(rng.random((h, 5, w)) < 0.2, np.inf, rng.normal(size=(h, 5, w))), axis=1).astype(np.float32)
+    stack = np.sort(np.where(rng.random((h, 5, w)) < 0.2, np.inf, rng.normal(size=(h, 5, w))), axis=1).astype(
+        np.float32
+    )
     weights = np.where(np.isfinite(stack), rng.random(stack.shape), 0).astype(np.float32) if weighted else None
     total = weights.sum(axis=1) if weighted else np.isfinite(stack).sum(axis=1, dtype=np.float32)
-    alpha1, scale, rhos = radii(shape), rng.random(shape, np.float32), rng.uniform(1, 1.9, iterations).astype(np.float32)
+    alpha1, scale, rhos = (
+        radii(shape),
+        rng.random(shape, np.float32),
+        rng.uniform(1, 1.9, iterations).astype(np.float32),
+    )
     swept, (x, v, p, q) = point(shape, seed=4), point(shape, seed=4)
     kernels.sweep_l1(*swept, stack, weights, total, scale, (TAU, TAU_V, SIGMA), alpha1, ALPHA0, rhos)
     y, x_bar, v_bar = np.empty_like(x), np.empty_like(x), np.empty_like(v)

@@ -19,7 +19,9 @@ def z_buffer(shape, points, intrinsics):
     return depth, source
 
 
-@pytest.mark.parametrize("shape, target_shape", [((9, 13), (9, 13)), ((30, 41), (11, 7)), ((1, 20), (5, 20)), ((17, 1), (3, 3))])
+@pytest.mark.parametrize(
+    ("shape", "target_shape"), [((9, 13), (9, 13)), ((30, 41), (11, 7)), ((1, 20), (5, 20)), ((17, 1), (3, 3))]
+)
 @pytest.mark.parametrize("turn", [-0.3, 0.0, 0.4, 3.0])
 def test_splat_is_a_z_buffer_over_all_valid_pixels(shape, target_shape, turn):
     rng = np.random.default_rng(7)

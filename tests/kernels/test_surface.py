@@ -18,7 +18,9 @@ def twin(depth, intrinsics):
 
 
 def tangent(points, axis):
-    """The mean of the one-sided differences; the shorter one beside a gap or where they differ by more than a factor of two."""
+    """The mean of the one-sided differences; the shorter one beside a gap or where they differ by more than a factor of
+    two.
+    """
     step = np.diff(points, axis=axis)
     gap = np.full_like(np.take(points, [0], axis=axis), np.nan)
     after, before = np.concatenate([step, gap], axis=axis), np.concatenate([gap, step], axis=axis)

@@ -2,7 +2,12 @@
 
 import numpy as np
 
-from ipcli.inverse.regularize.operators import gradient, gradient_adjoint, symmetrised_gradient, symmetrised_gradient_adjoint
+from ipcli.inverse.regularize.operators import (
+    gradient,
+    gradient_adjoint,
+    symmetrised_gradient,
+    symmetrised_gradient_adjoint,
+)
 from ipcli.kernels import tgv as kernels
 from tests.kernels.test_iteration import ALPHA0, each_shape, exist, point, radii
 

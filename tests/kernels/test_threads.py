@@ -8,12 +8,13 @@ from ipcli.kernels import threads
 
 
 @pytest.mark.parametrize("number", [1, 2, 3, 5])
-@pytest.mark.parametrize("height, least", [(1, 1), (4, 1), (97, 1), (97, 32), (31, 32), (480, 32)])
+@pytest.mark.parametrize(("height", "least"), [(1, 1), (4, 1), (97, 1), (97, 32), (31, 32), (480, 32)])
 def test_blocks_cover_the_rows_once_in_order_and_keep_to_the_least_height(monkeypatch, number, height, least):
     monkeypatch.setenv("NUMBA_NUM_THREADS", str(number))
     blocks = threads.blocks(height, least)
     assert [row for top, bottom in blocks for row in range(top, bottom)] == list(range(height))
-    assert len(blocks) <= number and (len(blocks) == 1 or min(b - t for t, b in blocks) >= least)
+    assert len(blocks) <= number
+    assert len(blocks) == 1 or min(b - t for t, b in blocks) >= least
 
 
 def test_items_run_side_by_side_and_come_back_in_their_order(monkeypatch):

@@ -41,7 +41,9 @@ def test_every_clip_counts_and_nothing_escapes(case):
     schema.validate(schema.kind("clips"), arrays)
     html = clips.page(arrays, {})
     page = Balance(html)
-    assert "3 clips of 3 actions by 2 actors: 7 frames" in html and ESCAPED in html and "<script>" not in html
+    assert "3 clips of 3 actions by 2 actors: 7 frames" in html
+    assert ESCAPED in html
+    assert "<script>" not in html
     assert html.count("<svg") == 4 + 1 + 2
     assert ("Published splits" in html) == (case != "no splits")
     assert page.links == []
@@ -50,7 +52,9 @@ def test_every_clip_counts_and_nothing_escapes(case):
 
 def test_the_table_counts_clips_of_each_action_and_actor():
     html = clips.page(artefact(), {})
-    assert ">kick<" in html and "unlabelled" in html and "1 (ann)" in html
+    assert ">kick<" in html
+    assert "unlabelled" in html
+    assert "1 (ann)" in html
 
 
 def test_no_clips():

@@ -26,11 +26,15 @@ def test_each_cell_has_its_percentage_where_row_and_column_meet():
     np.testing.assert_allclose(np.diff(y), [0, CELL], atol=0.01)
     shades = [float(node.get("fill-opacity")) for name in ("hit", "miss") for node in nodes(svg, "rect", name)]
     np.testing.assert_allclose(shades, [0.12 + 0.88 * share for share in (0.8, 1, 0.2)], atol=0.006)
-    assert "n = 10" in svg and "n = 0" in svg and "&lt;squat&gt;" in svg
+    assert "n = 10" in svg
+    assert "n = 0" in svg
+    assert "&lt;squat&gt;" in svg
 
 
 def test_all_but_one_is_not_all():
-    assert [node.text for node in nodes(matrix(np.array([[9999, 1]]), ["a"], ["a", "b"], ""), "text", "inside")] == ["99.9"]
+    assert [node.text for node in nodes(matrix(np.array([[9999, 1]]), ["a"], ["a", "b"], ""), "text", "inside")] == [
+        "99.9"
+    ]
 
 
 def test_answers_that_are_no_class_get_a_column():
@@ -39,15 +43,17 @@ def test_answers_that_are_no_class_get_a_column():
     assert len(nodes(svg, "rect", "cell")) == 3
 
 
-@pytest.mark.parametrize("counts, names", [(np.zeros((0, 0), int), []), (np.zeros((2, 2), int), ["a", "b"])])
+@pytest.mark.parametrize(("counts", "names"), [(np.zeros((0, 0), int), []), (np.zeros((2, 2), int), ["a", "b"])])
 def test_without_answers_there_is_an_empty_matrix(counts, names):
     svg = matrix(counts, names, names, "")
-    assert not nodes(svg, "text", "inside") and "nan" not in svg
+    assert not nodes(svg, "text", "inside")
+    assert "nan" not in svg
 
 
 def test_a_bar_is_as_tall_as_its_share_and_the_true_one_stands_out():
     svg = histogram(np.array([3, 1, 0]), NAMES, "kick")
     heights = [float(node.get("height")) for node in ElementTree.fromstring(svg).iter("rect")]
     np.testing.assert_allclose(heights, [0.75 * PANEL, 0.25 * PANEL, 0], atol=0.06)
-    assert len(nodes(svg, "rect", "hit")) == 1 and len(nodes(svg, "rect", "miss")) == 2
+    assert len(nodes(svg, "rect", "hit")) == 1
+    assert len(nodes(svg, "rect", "miss")) == 2
     assert "nan" not in histogram(np.zeros(3, int), NAMES, "walk")

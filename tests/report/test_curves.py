@@ -46,8 +46,10 @@ def test_ticks_stand_where_the_line_passes_their_value(log):
 
 def test_the_line_spans_the_axes():
     (line,) = vertices(plot([Series("a", np.arange(5), np.array([0, 3, 1, 4, 2.0]))], "t", "x", "y"))
-    assert line[0, 0] == 0 and line[-1, 0] == WIDTH - LEFT - RIGHT
-    assert (line[:, 1] >= 0).all() and (line[:, 1] <= HEIGHT - TOP - BOTTOM).all()
+    assert line[0, 0] == 0
+    assert line[-1, 0] == WIDTH - LEFT - RIGHT
+    assert (line[:, 1] >= 0).all()
+    assert (line[:, 1] <= HEIGHT - TOP - BOTTOM).all()
     assert line[:, 1].argmin() == 3
 
 
@@ -74,7 +76,8 @@ def test_degenerate_lines_still_make_a_plot(y, log):
     svg = plot(
         [Series("<a>", np.arange(len(y)), y), Series("b", np.arange(len(y)), y)], "a < b", "x & y", "y", log_y=log
     )
-    assert "nan" not in svg and "inf" not in svg
+    assert "nan" not in svg
+    assert "inf" not in svg
     drawn(svg)
 
 
@@ -82,11 +85,13 @@ def test_a_ring_stands_at_its_place_and_the_axes_reach_it():
     svg = plot([Series("a", np.array([1.0, 2, 4]), np.array([3.0, 1, 2]), ring=(8.0, 5.0))], "t", "x", "y", log_x=True)
     ring = next(node for node in drawn(svg).iter("circle") if node.get("r") == "6")
     (line,) = vertices(svg)
-    assert float(ring.get("cx")) == pytest.approx(line[1, 0] * 3, abs=0.2) and 0 <= float(ring.get("cy")) < line[:, 1].min()
+    assert float(ring.get("cx")) == pytest.approx(line[1, 0] * 3, abs=0.2)
+    assert 0 <= float(ring.get("cy")) < line[:, 1].min()
 
 
 def test_a_long_legend_goes_on_in_a_second_row_within_the_plot():
     names = ["median", "rof-median", "tgv-l1", "l1-heuristic", "l1-adapt (acs)", "adapt-hprior"]
     svg = plot([Series(name, np.arange(3), np.arange(3)) for name in names], "t", "x", "y", width=470)
     found = [node for node in drawn(svg).iter("text") if node.text in names]
-    assert len({node.get("y") for node in found}) == 2 and max(float(node.get("x")) for node in found) < 470 - 60
+    assert len({node.get("y") for node in found}) == 2
+    assert max(float(node.get("x")) for node in found) < 470 - 60

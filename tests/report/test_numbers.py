@@ -61,7 +61,8 @@ def test_rounded_limits_contain_the_range_and_little_more(limits):
     resolved(low, high)
     outer_low, outer_high = round_outwards(low, high)
     slack = 1e-6 * (high - low)
-    assert outer_low <= low + slack and outer_high >= high - slack
+    assert outer_low <= low + slack
+    assert outer_high >= high - slack
     assert outer_high - outer_low <= 1.2 * (high - low)
 
 

@@ -57,7 +57,8 @@ def sound(html: str) -> Balance:
     page = Balance(html)
     assert all(link.startswith("data:image/") for link in page.links)
     assert not page.tags & {"script", "link", "iframe", "object"}
-    assert "url(" not in html and "@import" not in html
+    assert "url(" not in html
+    assert "@import" not in html
     for picture in page.pictures:
         image = decoded(picture["src"])
         if "width" in picture:
@@ -130,7 +131,8 @@ def test_hostile_names_come_out_escaped(artefact, provenance, views_artefact):
     }
     for html in (fuse_depth.page(hostile, provenance), views.page(views_artefact, provenance)):
         sound(html)
-        assert ESCAPED in html and "<script" not in html
+        assert ESCAPED in html
+        assert "<script" not in html
 
 
 def test_the_same_artefact_gives_the_same_bytes(artefact, provenance):
@@ -145,7 +147,9 @@ def test_the_page_tells_size_views_error_and_little_overlap(artefact, provenance
         assert words in verdict
     assert "1 of 5 views overlaps the reference by less than 5\N{NO-BREAK SPACE}%" in html
     assert html.count('class="warn"') == 1
-    assert "solver.gap" in html and "ab" * 32 in html and "a&amp;b.h5" in html
+    assert "solver.gap" in html
+    assert "ab" * 32 in html
+    assert "a&amp;b.h5" in html
 
 
 def test_sections_about_the_truth_come_only_with_it(artefact, provenance):
@@ -170,7 +174,10 @@ def test_pictures_are_no_wider_than_asked_for(large, provenance):
 def test_the_enlarged_window_is_where_the_error_is(artefact):
     artefact["depth"][30:36, 40:46] += 1
     row, column, height, width = fuse_depth._window(artefact)
-    assert row <= 30 and row + height >= 36 and column <= 40 and column + width >= 46
+    assert row <= 30
+    assert row + height >= 36
+    assert column <= 40
+    assert column + width >= 46
 
 
 def test_the_best_of_each_metric_is_marked():
@@ -185,7 +192,8 @@ def test_sparsification_against_its_definition():
     for share, mean in zip(shares, kept, strict=True):
         count = round(share * 5)
         assert mean == pytest.approx(error[np.argsort(-confidence)[:count]].mean())
-    assert shares[-1] == 100 and kept[-1] == pytest.approx(error.mean())
+    assert shares[-1] == 100
+    assert kept[-1] == pytest.approx(error.mean())
     assert (accuracy.sparsification(error, error)[1] <= kept + 1e-12).all()
 
 
@@ -207,7 +215,8 @@ def test_the_contact_sheet_shows_all_views_in_order(views_artefact, provenance):
 def test_a_long_sequence_is_sampled_evenly():
     names = [f"{index:04d}" for index in range(1000)]
     shown = views.spread(names, views.MOST)
-    assert len(shown) == len(set(shown)) == views.MOST and (shown[0], shown[-1]) == ("0000", "0999")
+    assert len(shown) == len(set(shown)) == views.MOST
+    assert (shown[0], shown[-1]) == ("0000", "0999")
     sound(views.page({"unit": np.array("m"), "measured": np.array("depth")}, {}))
 
 

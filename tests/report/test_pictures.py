@@ -55,7 +55,8 @@ def test_another_decoder_sees_the_colours_that_were_meant(array, name):
 @pytest.mark.parametrize("name", PALETTES)
 def test_no_palette_holds_the_colours_of_missing_data(name):
     known = palette(name)[2:].tolist()
-    assert list(MISSING) not in known and list(HATCH) not in known
+    assert list(MISSING) not in known
+    assert list(HATCH) not in known
     assert len({tuple(colour) for colour in known}) > 200
 
 
@@ -68,7 +69,8 @@ def test_brighter_means_more(name):
 def test_signed_differences_are_white_at_zero_and_darken_to_both_sides():
     bright = luminance("signed")
     assert 120 < bright.argmax() < 134
-    assert (np.diff(bright[:127]) >= -0.6).all() and (np.diff(bright[127:]) <= 0.6).all()
+    assert (np.diff(bright[:127]) >= -0.6).all()
+    assert (np.diff(bright[127:]) <= 0.6).all()
 
 
 @given(hnp.arrays(np.float32, 30, elements=st.floats(-10, 10, width=32)), st.booleans())
@@ -94,7 +96,8 @@ def test_limits_ignore_outliers_and_contain_the_rest():
     depth = np.linspace(2, 4, 10_000, dtype=np.float32).reshape(100, 100)
     depth[0, :20] = 1e6
     scale = robust([depth], "turbo", "m")
-    assert 1.9 < scale.low <= 2.03 and 3.97 <= scale.high < 4.2
+    assert 1.9 < scale.low <= 2.03
+    assert 3.97 <= scale.high < 4.2
 
 
 def test_labels_of_the_bar_start_and_end_at_the_limits():
@@ -119,7 +122,8 @@ def test_scales_of_empty_and_constant_maps_have_a_range(array):
         from_zero([array], "magma"),
         symmetric([array]),
     ):
-        assert np.isfinite([scale.low, scale.high]).all() and scale.high > scale.low
+        assert np.isfinite([scale.low, scale.high]).all()
+        assert scale.high > scale.low
         draw(array, scale)
 
 

@@ -37,7 +37,9 @@ def test_both_views_show_lengths_to_one_scale_with_the_left_of_the_body_on_the_r
 
 def test_the_group_is_picked_out_and_further_poses_are_faint_and_of_the_group_alone():
     figure = drawn([POSE, POSE + 0.1, POSE - 0.1])
-    assert len(bones(figure, "rest")) == 2 and len(bones(figure, "group")) == 4 and len(bones(figure, "group faint")) == 8
+    assert len(bones(figure, "rest")) == 2
+    assert len(bones(figure, "group")) == 4
+    assert len(bones(figure, "group faint")) == 8
     assert not bones(figure, "rest faint").size
     assert len([node for node in figure.iter("circle")]) == 4
 
@@ -46,21 +48,24 @@ def test_all_is_inside_the_drawing():
     figure = drawn([POSE, POSE + 0.5])
     width, height = map(float, figure.find("svg").get("viewBox").split()[2:])
     ends = np.concatenate([bones(figure, name).reshape(-1, 2) for name in ("rest", "group", "group faint")])
-    assert (ends >= 0).all() and (ends <= [width, height]).all()
+    assert (ends >= 0).all()
+    assert (ends <= [width, height]).all()
 
 
 def test_unknown_joints_are_left_out_with_their_bones():
     torn = POSE.copy()
     torn[1] = np.nan
     figure = drawn([torn])
-    assert not bones(figure, "group").size and len(bones(figure, "rest")) == 2
+    assert not bones(figure, "group").size
+    assert len(bones(figure, "rest")) == 2
     assert "nan" not in ElementTree.tostring(figure, "unicode")
 
 
 @pytest.mark.parametrize("poses", [[], [np.full((4, 3), np.nan)], [np.zeros((4, 3))]])
 def test_nothing_to_see_is_still_a_drawing(poses):
     text = ElementTree.tostring(drawn(poses), "unicode")
-    assert "nan" not in text and "inf" not in text
+    assert "nan" not in text
+    assert "inf" not in text
 
 
 def test_a_box_gives_figures_side_by_side_one_scale():

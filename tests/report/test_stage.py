@@ -25,7 +25,8 @@ def fused(tmp_path, artefact, provenance):
 
 def test_made_once_then_up_to_date_and_never_replaced_unasked(fused, artefact, provenance):
     page = fused.with_suffix(".html")
-    assert report.run(fused, page, Params(), Run(dry_run=True)) is Outcome.WOULD_RUN and not page.exists()
+    assert report.run(fused, page, Params(), Run(dry_run=True)) is Outcome.WOULD_RUN
+    assert not page.exists()
     assert report.run(fused, page, Params(), Run()) is Outcome.DONE
     first = page.read_bytes()
     assert report.run(fused, page, Params(), Run()) is Outcome.UP_TO_DATE

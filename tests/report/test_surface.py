@@ -24,8 +24,11 @@ def test_shading_is_brightest_towards_the_lights_and_missing_without_a_normal():
     )
     narrow = np.array([[1e4, 0, 2], [0, 1e4, 0], [0, 0, 1.0]])
     light = surface.shade(normals, narrow)[0]
-    assert light[0] > light[2] and light[1] > light[2] and np.isnan(light[3:]).all()
-    assert (light[:3] > 0).all() and (light[:3] <= 1).all()
+    assert light[0] > light[2]
+    assert light[1] > light[2]
+    assert np.isnan(light[3:]).all()
+    assert (light[:3] > 0).all()
+    assert (light[:3] <= 1).all()
 
 
 @given(st.integers(0, 2**32 - 1))

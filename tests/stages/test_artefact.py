@@ -32,7 +32,9 @@ class Maker:
         (folder / "input.txt").write_text("input")
 
     def __call__(self, size=3, **run):
-        job = Job(self.output, "views", "test", Params(size), (self.folder / "input.txt",), {self.side: self.write_side})
+        job = Job(
+            self.output, "views", "test", Params(size), (self.folder / "input.txt",), {self.side: self.write_side}
+        )
         return make(job, lambda: self.build(size), Run(**run))
 
     def build(self, size):
@@ -184,7 +186,9 @@ def test_killed_at_any_step_the_next_run_ends_as_if_undisturbed(tmp_path):
         maker = Maker(tmp_path / str(at))
         maker(size=3)
         old = maker.bytes()
-        killed = subprocess.run([sys.executable, "-c", KILLED, str(maker.folder), str(at)], env=env, capture_output=True)
+        killed = subprocess.run(
+            [sys.executable, "-c", KILLED, str(maker.folder), str(at)], env=env, capture_output=True
+        )
         assert killed.returncode in (0, -signal.SIGKILL), killed.stderr
         assert maker.output.read_bytes() in (old[0], calm.bytes()[0])
         maker(size=4, overwrite=True)

@@ -41,7 +41,9 @@ def test_a_table_holds_what_each_file_says_of_its_scene_and_method(files, tmp_pa
         one = h5.read(path, "depth").arrays
         scene_index = list(table["scenes"]).index(path.name[0])
         method = list(table["methods"]).index(one["method"])
-        np.testing.assert_array_equal(table["values"][scene_index, method], one["metrics"][list(one["metric_rows"]).index("fused")])
+        np.testing.assert_array_equal(
+            table["values"][scene_index, method], one["metrics"][list(one["metric_rows"]).index("fused")]
+        )
 
 
 def test_the_csv_and_the_page_give_the_same_figures(files, tmp_path):
@@ -49,7 +51,9 @@ def test_the_csv_and_the_page_give_the_same_figures(files, tmp_path):
     table = h5.read(tmp_path / "t.h5", "comparison").arrays
     lines = list(csv.reader((tmp_path / "t.csv").read_text().splitlines()))
     assert lines[0] == ["scene", "method", *table["columns"]]
-    np.testing.assert_array_equal(np.array([line[2:] for line in lines[1:]], float), table["values"].reshape(-1, table["values"].shape[2]))
+    np.testing.assert_array_equal(
+        np.array([line[2:] for line in lines[1:]], float), table["values"].reshape(-1, table["values"].shape[2])
+    )
     page = (tmp_path / "t.html").read_text()
     assert all(str(name) in page for name in (*table["scenes"], *table["methods"], *table["columns"]))
 

@@ -42,10 +42,15 @@ def test_rows_are_the_given_maps_and_each_method_by_each_rule_there_is(evaluated
     schema.validate(schema.kind("trials"), arrays)
     rows = list(zip(arrays["methods"], arrays["rules"], strict=True))
     assert rows == [
-        ("reference", "none"), ("mean", "none"), ("median", "none"),
-        ("tv-l1", "automatic"), ("tv-l1", "tuned"), ("l1-adapt (acs)", "automatic"),
-    ]  # fmt: skip
-    assert arrays["lambdas"][4] == tune_fusion.best_lambdas(tuning)["tv-l1"] and np.isnan(arrays["lambdas"][:3]).all()
+        ("reference", "none"),
+        ("mean", "none"),
+        ("median", "none"),
+        ("tv-l1", "automatic"),
+        ("tv-l1", "tuned"),
+        ("l1-adapt (acs)", "automatic"),
+    ]
+    assert arrays["lambdas"][4] == tune_fusion.best_lambdas(tuning)["tv-l1"]
+    assert np.isnan(arrays["lambdas"][:3]).all()
 
 
 def test_the_maps_are_those_of_fuse_depth(views, evaluated, tmp_path):
@@ -62,8 +67,10 @@ def test_the_curves_end_at_the_mean_error_and_enclose_the_ause(evaluated):
     arrays = h5.read(evaluated, "trials").arrays
     row = list(arrays["methods"]).index("l1-adapt (acs)")
     kept, least = arrays["kept_error"][row], arrays["least_error"][row]
-    assert kept[-1] == pytest.approx(1) and least[-1] == pytest.approx(1)
-    assert (np.diff(least) >= 0).all() and (least <= kept + 1e-9).all()
+    assert kept[-1] == pytest.approx(1)
+    assert least[-1] == pytest.approx(1)
+    assert (np.diff(least) >= 0).all()
+    assert (least <= kept + 1e-9).all()
     area = arrays["values"][row, list(arrays["columns"]).index("AUSE confidence")]
     assert (kept - least).mean() == pytest.approx(area, rel=0.1)
     index = list(arrays["maps"]).index("l1-adapt (acs)")
@@ -78,8 +85,11 @@ def test_normals_and_uncertainty_are_judged_as_fuse_depth_judges_them(views, eva
     alone = h5.read(tmp_path / "f.h5", "depth").arrays
     error = np.where(np.isfinite(arrays["depth"]).all(axis=0), np.abs(alone["depth"] - alone["truth"]), np.nan)
     row, columns = list(arrays["methods"]).index("l1-adapt (acs)"), list(arrays["columns"])
-    by_uncertainty, by_angle = (arrays["values"][row, columns.index(f"AUSE {order}")] for order in ("uncertainty", "angle"))
-    assert by_uncertainty == pytest.approx(ause(-alone["uncertainty"], error)) and by_uncertainty != pytest.approx(by_angle)
+    by_uncertainty, by_angle = (
+        arrays["values"][row, columns.index(f"AUSE {order}")] for order in ("uncertainty", "angle")
+    )
+    assert by_uncertainty == pytest.approx(ause(-alone["uncertainty"], error))
+    assert by_uncertainty != pytest.approx(by_angle)
     common = np.isfinite(error) & np.isfinite(arrays["truth"])
     angle = normal_error(alone["normals"], normals(alone["truth"], alone["intrinsics"]), common)
     assert arrays["values"][row, columns.index("N-MAE rad")] == pytest.approx(angle)
@@ -92,7 +102,8 @@ def test_compare_joins_trials_and_tells_the_rules_apart(evaluated, tmp_path):
     other.write_bytes(evaluated.read_bytes())
     compare.run([evaluated, other], tmp_path / "t.h5", compare.Params(), Run())
     table, one = h5.read(tmp_path / "t.h5", "comparison").arrays, h5.read(evaluated, "trials").arrays
-    assert list(table["scenes"]) == ["a", "b"] and list(table["methods"])[3:5] == ["tv-l1", "tv-l1, tuned λ"]
+    assert list(table["scenes"]) == ["a", "b"]
+    assert list(table["methods"])[3:5] == ["tv-l1", "tv-l1, tuned λ"]
     np.testing.assert_array_equal(table["values"][1], one["values"])
 
 
@@ -100,12 +111,17 @@ def test_a_second_run_is_up_to_date_until_the_tuning_changes(views, tuning, eval
     assert evaluate_fusion.run(views, evaluated, Params(methods=METHODS), Run(), tuning) is Outcome.UP_TO_DATE
     again = tmp_path / "t.tuning.h5"
     tune_fusion.run([views], again, tune_fusion.Params(methods=("tv-l1",), lambdas=(0.3, 1.5)), Run())
-    assert evaluate_fusion.run(views, evaluated, Params(methods=METHODS), Run(overwrite=True, dry_run=True), again) is Outcome.WOULD_RUN
+    assert (
+        evaluate_fusion.run(views, evaluated, Params(methods=METHODS), Run(overwrite=True, dry_run=True), again)
+        is Outcome.WOULD_RUN
+    )
 
 
 def test_the_page_shows_every_row_and_every_kept_map(evaluated):
     page = evaluated.with_suffix(".html").read_text()
-    assert "tv-l1, tuned λ" in page and "l1-adapt (acs): error" in page and "share of pixels kept" in page
+    assert "tv-l1, tuned λ" in page
+    assert "l1-adapt (acs): error" in page
+    assert "share of pixels kept" in page
 
 
 def test_the_given_maps_alone_can_be_asked_for(views, tmp_path):

@@ -55,15 +55,19 @@ def test_the_artefact_is_sound_and_better_than_the_median_and_a_mesh_and_a_page_
     metrics = dict(zip(map(str, found["metric_rows"]), found["metrics"], strict=True))
     mae = list(map(str, found["metric_columns"])).index("MAE")
     assert metrics["fused"][mae] < 0.8 * metrics["median"][mae] < metrics["reference"][mae]
-    assert str(found["method"]) == "l1-adapt (acs)" and str(found["unit"]) == "m" and str(found["domain"]) == "depth"
+    assert str(found["method"]) == "l1-adapt (acs)"
+    assert str(found["unit"]) == "m"
+    assert str(found["domain"]) == "depth"
     page = whole.with_suffix(".html").read_text(encoding="utf-8")
-    assert page.startswith("<!doctype html>") and "src=\"http" not in page
+    assert page.startswith("<!doctype html>")
+    assert 'src="http' not in page
 
 
 def test_the_mesh_is_the_observed_part_of_the_map_in_world_coordinates(whole):
     found, mesh = h5.read(whole, "depth").arrays, ply.read(whole.with_suffix(".ply"))
     seen = found["observations"] > 0
-    assert len(mesh.vertices) == seen.sum() and mesh.faces.max() < len(mesh.vertices)
+    assert len(mesh.vertices) == seen.sum()
+    assert mesh.faces.max() < len(mesh.vertices)
     in_camera = transform(found["cam_from_world"], mesh.vertices)
     np.testing.assert_allclose(in_camera, back_project(found["depth"], found["intrinsics"])[seen], atol=1e-5)
     np.testing.assert_array_equal(mesh.extra["confidence"], found["confidence"][seen])
@@ -82,11 +86,13 @@ def test_the_table_of_views_tells_what_each_gave(whole):
     truth_free = [view.depth for view in scene()]
     np.testing.assert_allclose(found["view_valid"], [np.isfinite(d).mean() for d in truth_free])
     assert found["view_overlap"][2] == found["view_valid"][2]  # the reference sees itself
-    assert (0.5 < found["view_overlap"]).all() and (found["view_residual"] < 0.03).all()
+    assert (found["view_overlap"] > 0.5).all()
+    assert (found["view_residual"] < 0.03).all()
     residual = np.nanmedian(np.abs(truth_free[2] - found["depth"]))
     assert found["view_residual"][2] == pytest.approx(residual, rel=1e-5)
     assert found["noise_scale"] == pytest.approx(0.02, rel=0.2)
-    assert found["thumbnails"].shape[0] == 5 and max(found["thumbnails"].shape[1:]) <= fuse_depth.THUMBNAIL
+    assert found["thumbnails"].shape[0] == 5
+    assert max(found["thumbnails"].shape[1:]) <= fuse_depth.THUMBNAIL
 
 
 def test_a_second_run_is_up_to_date_and_other_parameters_are_refused(source, whole):
@@ -121,7 +127,7 @@ def test_a_dry_run_writes_nothing(source, tmp_path):
 WINDOWS = [("02", 3, "123"), ("00", 3, "012"), ("04", 2, "34"), ("01", 1, "1"), (None, 0, "01234")]
 
 
-@pytest.mark.parametrize("reference, window, names", WINDOWS)
+@pytest.mark.parametrize(("reference", "window", "names"), WINDOWS)
 def test_a_window_takes_the_neighbours_of_the_reference(source, tmp_path, reference, window, names):
     found = arrays(source, tmp_path, reference=reference, window=window)
     assert list(found["views"]) == [f"0{name}" for name in names]
@@ -132,7 +138,9 @@ def test_the_domain_is_the_one_with_even_noise_unless_chosen(tmp_path):
     """Noise of disparities is told in pixels."""
     views = scene()
     disparities = write(tmp_path / "d.views.h5", views, measured="disparity", baseline_focal=20.0)
-    chosen = {domain: arrays(disparities, tmp_path / domain, domain=domain) for domain in ("auto", "depth", "disparity")}
+    chosen = {
+        domain: arrays(disparities, tmp_path / domain, domain=domain) for domain in ("auto", "depth", "disparity")
+    }
     assert [str(found["domain"]) for found in chosen.values()] == ["disparity", "depth", "disparity"]
     np.testing.assert_array_equal(chosen["auto"]["depth"], chosen["disparity"]["depth"])
     assert not np.array_equal(chosen["depth"]["depth"], chosen["auto"]["depth"])
@@ -141,15 +149,19 @@ def test_the_domain_is_the_one_with_even_noise_unless_chosen(tmp_path):
 
 
 def test_one_view_alone_is_fused(tmp_path):
-    found = arrays(write(tmp_path / "one.views.h5", scene()[2:3]), tmp_path, fusion=replace(QUICK, method="tgv-l1", lam=1.0))
-    assert list(found["views"]) == ["02"] and np.isfinite(found["depth"]).all()
+    found = arrays(
+        write(tmp_path / "one.views.h5", scene()[2:3]), tmp_path, fusion=replace(QUICK, method="tgv-l1", lam=1.0)
+    )
+    assert list(found["views"]) == ["02"]
+    assert np.isfinite(found["depth"]).all()
     assert found["metrics"][3, 2] < 0.5 * found["metrics"][0, 2]
 
 
 def test_views_without_truth_or_colour_make_all_files(tmp_path):
     bare = write(tmp_path / "bare.views.h5", [replace(view, truth=None, image=None) for view in scene()])
     _, output = fuse(bare, tmp_path)
-    assert "metrics" not in h5.read(output, "depth").arrays and ply.read(output.with_suffix(".ply")).colors is None
+    assert "metrics" not in h5.read(output, "depth").arrays
+    assert ply.read(output.with_suffix(".ply")).colors is None
 
 
 def test_millimetres_give_a_thousand_times_the_depth(source, whole, tmp_path):
@@ -157,7 +169,8 @@ def test_millimetres_give_a_thousand_times_the_depth(source, whole, tmp_path):
     large = write(tmp_path / "mm.views.h5", [scaled(view, 1000) for view in scene()], unit="mm", baseline_focal=20000.0)
     scaled_map = arrays(large, tmp_path)
     apart = np.abs(scaled_map["depth"] / 1000 - found["depth"])
-    assert np.median(apart) < 1e-5 and np.quantile(apart, 0.99) < 2e-3
+    assert np.median(apart) < 1e-5
+    assert np.quantile(apart, 0.99) < 2e-3
     np.testing.assert_allclose(scaled_map["metrics"][:, 2], 1000 * found["metrics"][:, 2], rtol=1e-2)
 
 
@@ -167,11 +180,12 @@ def test_views_that_do_not_meet_the_reference_have_no_solution_and_leave_nothing
         fuse(write(tmp_path / "away.views.h5", away), tmp_path / "out")
     for view in away:
         assert f"{view.name}: {100 * np.isfinite(view.depth).mean():.0f} % valid, reaches" in str(caught.value)
-    assert str(caught.value).count("reaches 0.0 %") == 4 and not (tmp_path / "out").exists()
+    assert str(caught.value).count("reaches 0.0 %") == 4
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
-    "change, message",
+    ("change", "message"),
     [
         ({"cam_from_world": np.diag([2.0, 2, 2, 1])}, "view '01': pose is not rigid"),
         ({"cam_from_world": np.diag([-1.0, 1, 1, 1])}, "view '01': pose mirrors the scene"),
@@ -193,9 +207,14 @@ def test_a_reference_that_is_not_there_is_told_with_the_nearest(source, tmp_path
 
 def test_progress_never_goes_back(source, tmp_path):
     told = []
-    fuse_depth.run(source, tmp_path / "x.h5", Params(fusion=QUICK), Run(), lambda share, text: told.append((share, text)))
+    fuse_depth.run(
+        source, tmp_path / "x.h5", Params(fusion=QUICK), Run(), lambda share, text: told.append((share, text))
+    )
     shares = [share for share, _ in told]
-    assert shares == sorted(shares) and 0 <= shares[0] and shares[-1] <= 1 and len({text for _, text in told}) >= 3
+    assert shares == sorted(shares)
+    assert shares[0] >= 0
+    assert shares[-1] <= 1
+    assert len({text for _, text in told}) >= 3
 
 
 def test_in_tiles_the_artefact_is_sound_and_as_near_to_the_truth(whole, source, tmp_path):

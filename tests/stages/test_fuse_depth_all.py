@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -90,7 +90,8 @@ def test_a_broken_file_fails_only_the_windows_it_is_in_and_repaired_only_those_a
     broken.write_bytes(sound[:100])
     with pytest.raises(ItemsFailed, match="1 of 2 items failed .*04.npy") as caught:
         fuse_depth.run_all(tmp_path / "in", tmp_path / "out", each, Run())
-    assert list(caught.value.failed) == ["04"] and set(contents(tmp_path / "out")) == {"00.fused.h5"}
+    assert list(caught.value.failed) == ["04"]
+    assert set(contents(tmp_path / "out")) == {"00.fused.h5"}
     broken.write_bytes(sound)
     outcomes = fuse_depth.run_all(tmp_path / "in", tmp_path / "out", each, Run())
     assert list(outcomes.values()) == [Outcome.UP_TO_DATE, Outcome.DONE]
@@ -108,7 +109,19 @@ def test_a_step_needs_all(source, tmp_path):
 
 
 def test_the_command_line_prints_the_folder_or_each_outcome_and_ends_with_1_if_one_failed(source, tmp_path, capsys):
-    arguments = ["fuse-depth", str(source), "--all", "--window", "3", "--step", "2", "-o", str(tmp_path / "out"), "--method", "median"]
+    arguments = [
+        "fuse-depth",
+        str(source),
+        "--all",
+        "--window",
+        "3",
+        "--step",
+        "2",
+        "-o",
+        str(tmp_path / "out"),
+        "--method",
+        "median",
+    ]
     assert main(arguments) == 0
     assert capsys.readouterr().out == f"{tmp_path / 'out'}\n"
     assert main([*arguments, "--json", "-q"]) == 0
@@ -118,4 +131,5 @@ def test_the_command_line_prints_the_folder_or_each_outcome_and_ends_with_1_if_o
     (tmp_path / "out" / "04.fused.h5").unlink()
     assert main([*arguments, "-q"]) == 1
     error = capsys.readouterr().err
-    assert error.startswith("Error: 1 of 3 items failed (02: ") and (tmp_path / "out" / "04.fused.h5").exists()
+    assert error.startswith("Error: 1 of 3 items failed (02: ")
+    assert (tmp_path / "out" / "04.fused.h5").exists()

@@ -40,12 +40,16 @@ def folder(tmp_path):
 def test_folders_are_labels_and_actors(folder, tmp_path):
     assert made(folder, tmp_path / "x.clips.h5", rate=30.0) is Outcome.DONE
     clips = open_clips(tmp_path / "x.clips.h5")
-    assert clips.labels == ("kick", "wave", "wave") and clips.actors == ("ann", "ann", "bob")
-    assert len(set(clips.names)) == 3 and clips.skeleton.joints == JOINTS and clips.skeleton.parents == PARENTS
+    assert clips.labels == ("kick", "wave", "wave")
+    assert clips.actors == ("ann", "ann", "bob")
+    assert len(set(clips.names)) == 3
+    assert clips.skeleton.joints == JOINTS
+    assert clips.skeleton.parents == PARENTS
     clip = clips.load(clips.names[2])
     whole = np.load(folder / "wave/bob/b.npz")["positions"]
     np.testing.assert_array_equal(clip.motion.positions, whole[::4].astype(np.float32))
-    assert clip.motion.rate == 30 and (clip.label, clip.actor) == ("wave", "bob")
+    assert clip.motion.rate == 30
+    assert (clip.label, clip.actor) == ("wave", "bob")
     assert made(folder, tmp_path / "x.clips.h5", rate=30.0) is Outcome.UP_TO_DATE
 
 
@@ -67,7 +71,8 @@ def test_a_manifest_says_what_is_what(folder, tmp_path):
     )
     made(folder, tmp_path / "x.h5")
     clips = open_clips(tmp_path / "x.h5")
-    assert clips.labels == ("w", "v", "") and clips.actors == ("1", "1", "")
+    assert clips.labels == ("w", "v", "")
+    assert clips.actors == ("1", "1", "")
     np.testing.assert_array_equal(clips.splits["published"], [1, 2, 0])
     whole = np.load(folder / "wave/ann/a.npz")["positions"].astype(np.float32)
     np.testing.assert_array_equal(clips.load(clips.names[0]).motion.positions, whole[2:5])
@@ -150,13 +155,21 @@ def test_kinect_sets_have_the_published_counts_upright_people_and_actors_on_one_
 ):
     found = open_clips(real_data("mocap") / name)
     motions = [found.load(clip).motion for clip in found.names]
-    assert (len(found.names), sum(len(m.positions) for m in motions), len(set(found.labels))) == (clips, frames, actions)
-    assert len(set(found.actors)) == 10 and len(found.splits) == splits
+    assert (len(found.names), sum(len(m.positions) for m in motions), len(set(found.labels))) == (
+        clips,
+        frames,
+        actions,
+    )
+    assert len(set(found.actors)) == 10
+    assert len(found.splits) == splits
     head, foot = (found.skeleton.joints.index(joint) for joint in ("head", "left_ankle"))
     assert np.median([np.median(m.positions[:, head, 1] - m.positions[:, foot, 1]) for m in motions]) > 1.0
     left, right = (found.skeleton.joints.index(f"{side}_shoulder") for side in ("left", "right"))
     across = [np.median(m.positions[:, right, 0] - m.positions[:, left, 0]) for m in motions]
     assert np.mean(np.array(across) > 0) > 0.9  # they face the sensor, which looks along z: left is at smaller x
     for row in found.splits.values():
-        sides = {actor: {int(s) for a, s in zip(found.actors, row, strict=True) if a == actor} for actor in found.actors}
-        assert all(len(side) == 1 for side in sides.values()) and set(row) == {1, 2}
+        sides = {
+            actor: {int(s) for a, s in zip(found.actors, row, strict=True) if a == actor} for actor in found.actors
+        }
+        assert all(len(side) == 1 for side in sides.values())
+        assert set(row) == {1, 2}

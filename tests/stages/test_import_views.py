@@ -36,7 +36,9 @@ def run(tmp_path: Path, params: Params, how: Run = Run(), measured: str = "depth
 def test_without_wishes_the_views_are_copied(tmp_path):
     outcome, copy = run(tmp_path, Params())
     original = sequences.open(tmp_path / "in.h5")
-    assert outcome is Outcome.DONE and copy.names == NAMES and copy.baseline_focal == 40.0
+    assert outcome is Outcome.DONE
+    assert copy.names == NAMES
+    assert copy.baseline_focal == 40.0
     for name in NAMES:
         np.testing.assert_array_equal(copy.load(name).depth, original.load(name).depth)
         assert copy.load(name).truth is None
@@ -46,7 +48,8 @@ def test_noise_keeps_the_clean_depth_as_truth(tmp_path):
     _, noisy = run(tmp_path, Params(noise="laplace:0.03"))
     view = noisy.load("a")
     np.testing.assert_array_equal(view.truth[4:], 2.0)
-    assert np.isnan(view.depth[:4]).all() and np.isnan(view.truth[:4]).all()
+    assert np.isnan(view.depth[:4]).all()
+    assert np.isnan(view.truth[:4]).all()
     assert np.mean(np.abs(view.depth[4:] - 2.0)) == pytest.approx(0.03, rel=0.1)
 
 
@@ -64,7 +67,8 @@ def test_noise_of_a_view_depends_on_its_name_and_the_seed_alone(tmp_path):
 def test_noise_of_disparities_is_added_to_disparities(tmp_path):
     _, noisy = run(tmp_path, Params(noise="gauss:0.5", views="a"), measured="disparity")
     disparity = 40.0 / noisy.load("a").depth[4:]
-    assert disparity.mean() == pytest.approx(20.0, abs=0.05) and disparity.std() == pytest.approx(0.5, rel=0.05)
+    assert disparity.mean() == pytest.approx(20.0, abs=0.05)
+    assert disparity.std() == pytest.approx(0.5, rel=0.05)
 
 
 def test_a_truth_that_is_known_is_kept(tmp_path):
@@ -105,7 +109,8 @@ def test_choices_that_make_no_sense_are_refused(params, message):
 def test_the_provenance_names_the_files_that_were_used_and_no_place(tmp_path):
     run(tmp_path, Params(views="b"))
     record = h5.peek(tmp_path / "out.views.h5").provenance
-    assert record["command"] == "import-views" and [item["name"] for item in record["inputs"]] == ["in.h5"]
+    assert record["command"] == "import-views"
+    assert [item["name"] for item in record["inputs"]] == ["in.h5"]
     assert str(tmp_path) not in str(record)
 
 

@@ -56,7 +56,8 @@ def test_each_scene_becomes_views_of_both_cameras_with_poses_and_truth(scenes):
     np.testing.assert_allclose(relative(right, left)[:3, 3], [-BASELINE, 0, 0], atol=1e-9)
     np.testing.assert_allclose(relative(later, left)[:3, 3], [0, 0, -1], atol=1e-9)
     np.testing.assert_allclose(left.truth, 5.0)
-    assert right.truth is None and later.truth is None
+    assert right.truth is None
+    assert later.truth is None
 
 
 def test_truth_may_include_what_the_right_camera_does_not_see(scenes):
@@ -120,7 +121,9 @@ def test_real_scene_matches_its_truth_and_the_right_camera_confirms_the_left(rea
     error = bf / left.depth - bf / left.truth
     error = error[np.isfinite(error)]
     assert len(error) > 0.7 * np.isfinite(left.truth).sum()
-    assert np.median(np.abs(error)) < 0.5 and abs(np.median(error)) < 0.2 and np.mean(np.abs(error) > 3) < 0.08
+    assert np.median(np.abs(error)) < 0.5
+    assert abs(np.median(error)) < 0.2
+    assert np.mean(np.abs(error) > 3) < 0.08
 
     for other in (right, later):  # carried into the left view, their disparities are those of the left view
         points = transform(relative(left, other), back_project(other.depth, other.intrinsics)).reshape(-1, 3)

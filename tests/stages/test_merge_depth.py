@@ -50,7 +50,8 @@ def test_the_cloud_lies_on_the_surface(cloud):
     schema.validate(schema.kind("cloud"), found)
     assert np.median(distance(found["points"].astype(np.float64))) < NOISE / 3
     assert (found["map_confirmed"] > 0.5 * found["map_points"]).all()
-    assert found["map_points"].sum() > 20_000 and len(found["points"]) > 4800
+    assert found["map_points"].sum() > 20_000
+    assert len(found["points"]) > 4800
 
 
 def test_the_ply_holds_the_same_points_and_names_the_digest(cloud):
@@ -60,14 +61,16 @@ def test_the_ply_holds_the_same_points_and_names_the_digest(cloud):
     np.testing.assert_array_equal(points.colors, artefact.arrays["colors"])
     for name in ("confidence", "views"):
         np.testing.assert_array_equal(points.extra[name], artefact.arrays[name])
-    assert artefact.provenance["digest"] in points.comments[0] and "unit m" in points.comments[0]
+    assert artefact.provenance["digest"] in points.comments[0]
+    assert "unit m" in points.comments[0]
 
 
 def test_a_cloud_without_colours_is_shown_in_clay(cloud):
     artefact = h5.read(cloud.with_suffix(".h5"), "cloud")
     plain = {name: array for name, array in artefact.arrays.items() if name != "colors"}
     shown = page(plain, artefact.provenance)
-    assert "<img" in shown and shown != cloud.with_suffix(".html").read_text()
+    assert "<img" in shown
+    assert shown != cloud.with_suffix(".html").read_text()
 
 
 def test_the_order_of_the_files_does_not_matter(files, cloud, tmp_path):
@@ -97,7 +100,9 @@ def test_a_second_run_is_up_to_date_and_other_parameters_are_refused(files, clou
 
 def test_maps_in_different_units_are_refused(files, tmp_path):
     other = fuse(tmp_path, "feet", unit="ft")
-    with pytest.raises(FormatError, match="another unit than .*expected ft, got m|another unit than .*expected m, got ft"):
+    with pytest.raises(
+        FormatError, match="another unit than .*expected ft, got m|another unit than .*expected m, got ft"
+    ):
         merge_depth.run([*files, *other], tmp_path / "x.ply", Params(), Run())
     assert not (tmp_path / "x.ply").exists()
 
@@ -115,4 +120,5 @@ def test_the_command_line(files, tmp_path, capsys):
     assert capsys.readouterr().out == f"{output}\n"
     assert main(["report", str(tmp_path / "x.h5"), "-o", str(tmp_path / "again.html")]) == 0
     page = (tmp_path / "again.html").read_text(encoding="utf-8")
-    assert page == (tmp_path / "x.html").read_text(encoding="utf-8") and "00.fused.h5" in page
+    assert page == (tmp_path / "x.html").read_text(encoding="utf-8")
+    assert "00.fused.h5" in page

@@ -28,7 +28,10 @@ def test_half_of_the_people_do_not_teach_a_rehearsal_not_even_their_bones(mirror
     before, after = taught(clips, mirror), taught(changed, mirror)
     for cell, points in before["half 1: "].lesson.points.items():
         np.testing.assert_array_equal(points, after["half 1: "].lesson.points[cell])
-    assert any((points != after["half 2: "].lesson.points[cell]).any() for cell, points in before["half 2: "].lesson.points.items())
+    assert any(
+        (points != after["half 2: "].lesson.points[cell]).any()
+        for cell, points in before["half 2: "].lesson.points.items()
+    )
 
 
 def test_the_clips_of_a_single_person_are_halved_their_images_with_them():
@@ -36,7 +39,9 @@ def test_the_clips_of_a_single_person_are_halved_their_images_with_them():
     clips = [one for one in every(frames=12, repeats=1) if one.actor == "ann"]
     for trial in taught(clips, mirror=True).values():
         mine = trial.lesson.rows // 12
-        assert {*mine % len(clips)} == {*np.flatnonzero(trial.taught)} and (mine >= len(clips)).any() and (mine < len(clips)).any()
+        assert {*mine % len(clips)} == {*np.flatnonzero(trial.taught)}
+        assert (mine >= len(clips)).any()
+        assert (mine < len(clips)).any()
 
 
 def test_the_splits_follow_the_clips_that_are_chosen():
@@ -44,4 +49,6 @@ def test_the_splits_follow_the_clips_that_are_chosen():
     entries = np.arange(len(clips)) % 3
     known = mocap_train.chosen(Motions(tuple(clips), GROUPS, {"one": entries}), mocap_train.Params(actors=("bob",)))
     assert [clip.actor for clip in known.clips] == ["bob"] * 3
-    np.testing.assert_array_equal(known.splits["one"], [entries[n] for n, clip in enumerate(clips) if clip.actor == "bob"])
+    np.testing.assert_array_equal(
+        known.splits["one"], [entries[n] for n, clip in enumerate(clips) if clip.actor == "bob"]
+    )

@@ -33,7 +33,9 @@ def test_the_artefact_is_sound_and_holds_the_truth_under_the_noise(mesh, tmp_pat
     output = run(mesh, tmp_path, noise="laplace:0.05", views=3, up="z")
     schema.validate(schema.kind("views"), h5.read(output, "views").arrays)
     sequence = sequences.open(output)
-    assert sequence.names == ("0", "1", "2") and sequence.unit == "m.u." and sequence.measured == "depth"
+    assert sequence.names == ("0", "1", "2")
+    assert sequence.unit == "m.u."
+    assert sequence.measured == "depth"
     assert sequence.baseline_focal == pytest.approx(72 * 3 * np.sin(np.pi / 72))
     view = sequence.load("1")
     np.testing.assert_array_equal(np.isfinite(view.depth), np.isfinite(view.truth))
@@ -46,13 +48,17 @@ def test_repeats_give_the_same_bytes_and_noise_depends_on_view_and_seed(mesh, tm
     before = first.read_bytes()
     assert run(mesh, tmp_path, noise="gauss:0.05", views=3).read_bytes() == before
     other = sequences.open(run(mesh, tmp_path, seed=1, noise="gauss:0.05", views=3))
-    noise = [view.depth - view.truth for view in (sequences.open(first).load("0"), sequences.open(first).load("1"), other.load("0"))]
+    noise = [
+        view.depth - view.truth
+        for view in (sequences.open(first).load("0"), sequences.open(first).load("1"), other.load("0"))
+    ]
     assert all(not np.array_equal(noise[a], noise[b], equal_nan=True) for a, b in [(0, 1), (0, 2)])
 
 
 def test_along_a_strip_the_step_is_the_baseline(mesh, tmp_path):
     sequence = sequences.open(run(mesh, tmp_path, path="strip", spacing=0.5, views=11, focal=9000.0))
-    assert len(sequence.names) == 11 and sequence.names[5] == "05"
+    assert len(sequence.names) == 11
+    assert sequence.names[5] == "05"
     assert sequence.baseline_focal == pytest.approx(9000 * 0.5)
     steps = np.diff([np.linalg.inv(sequence.load(name).cam_from_world)[0, 3] for name in sequence.names])
     np.testing.assert_allclose(steps, 0.5)

@@ -15,9 +15,23 @@ from ipcli.inverse.bayes.parameters import Hyperprior, Mixture
 
 N, D = 6, 2
 # Rasmussen's own priors have no moments to compare; these do.
-INFORMATIVE = Hyperprior(rho_shape=4, rho_rate=4, beta_shape=5, beta_mean=0.2, alpha_shape=4, alpha_rate=4, w_dof=10, w_scale=0.7)
+INFORMATIVE = Hyperprior(
+    rho_shape=4, rho_rate=4, beta_shape=5, beta_mean=0.2, alpha_shape=4, alpha_rate=4, w_dof=10, w_scale=0.7
+)
 SETTINGS = Mixture(sweeps=10**9, prior=INFORMATIVE, moves=2, scans=2)
-NAMES = ("clusters", "log alpha", "log rho", "log beta excess", "tr W", "xi", "xi^2", "x", "log(1 + |x|^2)", "same cluster", "x x'")
+NAMES = (
+    "clusters",
+    "log alpha",
+    "log rho",
+    "log beta excess",
+    "tr W",
+    "xi",
+    "xi^2",
+    "x",
+    "log(1 + |x|^2)",
+    "same cluster",
+    "x x'",
+)
 
 
 def data(labels, hyper, rng):
@@ -41,8 +55,17 @@ def restaurant(n, alpha, rng):
 def features(x, labels, h):
     squared = np.log1p(np.sum(x**2, axis=1)).mean()
     logs = np.log([h.alpha, h.rho, h.beta - D + 1])
-    return (labels.max() + 1, *logs, np.trace(h.w), h.xi[0], h.xi[1] ** 2, np.arctan(x[0, 0]), squared, labels[0] == labels[1],
-            np.arctan(x[0] @ x[1]))  # fmt: skip
+    return (
+        labels.max() + 1,
+        *logs,
+        np.trace(h.w),
+        h.xi[0],
+        h.xi[1] ** 2,
+        np.arctan(x[0, 0]),
+        squared,
+        labels[0] == labels[1],
+        np.arctan(x[0] @ x[1]),
+    )
 
 
 def from_the_prior(count, rng):

@@ -48,11 +48,14 @@ def test_the_files_of_a_view_and_the_tables_come_out_again_byte_for_byte(maker, 
 
 
 def test_the_sample_is_small_and_complete(sample):
-    assert sample.names == tuple(f"{index:03d}" for index in range(11)) and sample.unit == "m"
+    assert sample.names == tuple(f"{index:03d}" for index in range(11))
+    assert sample.unit == "m"
     assert sum(path.stat().st_size for path in SHAPES.rglob("*")) < 3e6
     for name in sample.names:
         view = sample.load(name)
-        assert view.depth.shape == (240, 320) and np.isfinite(view.truth).all() and view.image.std() > 20
+        assert view.depth.shape == (240, 320)
+        assert np.isfinite(view.truth).all()
+        assert view.image.std() > 20
 
 
 def test_noise_outliers_and_holes_are_those_announced(maker, sample):
@@ -74,7 +77,8 @@ def test_true_depth_and_colour_agree_between_views(sample):
     u, v = pixels[inside].astype(int).T
     difference = points[inside, 2] - there.truth[v, u]
     visible = np.abs(difference) < 0.02
-    assert visible.mean() > 0.9 and np.median(np.abs(difference)) < 0.004
+    assert visible.mean() > 0.9
+    assert np.median(np.abs(difference)) < 0.004
     colours = here.image.reshape(-1, 3)[inside][visible].astype(int) - there.image[v, u][visible]
     assert np.median(np.abs(colours)) <= 4
 

@@ -50,7 +50,12 @@ def test_the_files_come_out_again_byte_for_byte(maker):
 
 def test_the_sample_is_small_and_labelled(clips):
     assert sum(path.stat().st_size for path in MOTIONS.rglob("*")) < 1e6
-    assert sorted(set(clips.labels)) == ["kick", "squat", "walk", "wave"] and sorted(set(clips.actors)) == ["ann", "bob", "eve"]
+    assert sorted(set(clips.labels)) == ["kick", "squat", "walk", "wave"]
+    assert sorted(set(clips.actors)) == [
+        "ann",
+        "bob",
+        "eve",
+    ]
 
 
 def test_people_differ_in_build_and_keep_their_bones(clips):
@@ -61,7 +66,8 @@ def test_people_differ_in_build_and_keep_their_bones(clips):
         lengths = np.linalg.norm(motion.positions[:, bones[:, 1]] - motion.positions[:, bones[:, 0]], axis=-1)
         assert np.abs(lengths - bone_lengths(motion)[bones[:, 1]]).max() < 1e-12
         heights.setdefault(actor, set()).add(round(body_height(motion, parts), 9))
-    assert all(len(own) == 1 for own in heights.values()) and len(set().union(*heights.values())) == 3
+    assert all(len(own) == 1 for own in heights.values())
+    assert len(set().union(*heights.values())) == 3
     assert all(1.3 < height < 1.8 for own in heights.values() for height in own)
 
 
@@ -72,13 +78,17 @@ def test_each_action_does_what_its_name_says(clips, loaded):
         assert np.ptp(walked[:, at["LeftFoot"], 2] - walked[:, at["RightFoot"], 2]) > 0.5
     for kicked in loaded["kick"]:
         reach = kicked[:, at["RightFoot"], 2] - kicked[:, at["Hips"], 2]
-        assert reach.max() > 0.5 and np.ptp(kicked[:, at["LeftFoot"], 1]) < 0.15
+        assert reach.max() > 0.5
+        assert np.ptp(kicked[:, at["LeftFoot"], 1]) < 0.15
         assert kicked[reach.argmax(), at["RightFoot"], 1] > kicked[0, at["RightFoot"], 1] + 0.3
     for sat in loaded["squat"]:
-        assert np.ptp(sat[:, at["Hips"], 1]) > 0.3 and np.ptp(sat[:, at["LeftFoot"], 1]) < 0.15
+        assert np.ptp(sat[:, at["Hips"], 1]) > 0.3
+        assert np.ptp(sat[:, at["LeftFoot"], 1]) < 0.15
     for waved in loaded["wave"]:
         over = waved[:, at["RightHand"], 1] - waved[:, at["Head"], 1]
-        assert np.mean(over > 0) > 0.4 and (waved[:, at["LeftHand"], 1] < waved[:, at["Hips"], 1] + 0.2).all()
+        assert np.mean(over > 0) > 0.4
+        assert (waved[:, at["LeftHand"], 1] < waved[:, at["Hips"], 1] + 0.2).all()
     for motions in loaded.values():
         for motion in motions:
-            assert motion[:, at["Head"], 1].min() > 0.6 and motion[..., 1].min() > -0.15
+            assert motion[:, at["Head"], 1].min() > 0.6
+            assert motion[..., 1].min() > -0.15

@@ -18,8 +18,8 @@ MOST_AT_START = 50  # clusters
 class Chain:
     """Collapsed Gibbs sweeps (Neal 2000, Algorithm 3), split-merge moves and updates of the hyperparameters.
 
-    `x` (n, d) float64 is in coordinates where the prior's mean is 0 and its covariance I. The chain is a function of x, settings
-    and the generator alone; `state` and `restore` carry it over an interruption to the same end.
+    `x` (n, d) float64 is in coordinates where the prior's mean is 0 and its covariance I. The chain is a function of x,
+    settings and the generator alone; `state` and `restore` carry it over an interruption to the same end.
     """
 
     def __init__(self, x: np.ndarray, settings: Mixture, rng: np.random.Generator):
@@ -54,7 +54,9 @@ class Chain:
                 self.kept_hyper.append(h.flat())
 
     def move(self) -> tuple[int, int]:
-        """Move the labels at fixed hyperparameters: a Gibbs sweep, then split-merge moves; (splits, merges) accepted."""
+        """Move the labels at fixed hyperparameters: a Gibbs sweep, then split-merge moves; (splits, merges)
+        accepted.
+        """
         from ipcli.kernels import dirichlet
 
         base = self.base()
@@ -71,7 +73,9 @@ class Chain:
         return points
 
     def base(self) -> tuple[np.ndarray, float, float, np.ndarray, float]:
-        """The base measure and the concentration as the kernels take them: xi, rho, beta, Cholesky factor of beta W, alpha."""
+        """The base measure and the concentration as the kernels take them: xi, rho, beta, Cholesky factor of beta W,
+        alpha.
+        """
         h = self.hyper
         return h.xi, h.rho, h.beta, np.linalg.cholesky(h.beta * h.w), h.alpha
 

@@ -1,4 +1,6 @@
-"""Whether chains have come to agree, and how many independent draws they are worth (Gelman et al. 2013, 11.4 and 11.5)."""
+"""Whether chains have come to agree, and how many independent draws they are worth (Gelman et al. 2013, 11.4
+and 11.5).
+"""
 
 from __future__ import annotations
 
@@ -6,7 +8,8 @@ import numpy as np
 
 
 def split_r_hat(chains: np.ndarray) -> float:
-    """Potential scale reduction of a scalar along chains (m, n), each split in two; near 1 when they agree. NaN below 4 draws.
+    """Potential scale reduction of a scalar along chains (m, n), each split in two; near 1 when they agree. NaN below 4
+    draws.
 
     Chains that never move agree if they are at one place, and otherwise do not: 1 or infinity.
     """
@@ -23,7 +26,8 @@ def split_r_hat(chains: np.ndarray) -> float:
 def effective_draws(chains: np.ndarray) -> float:
     """Effective number of independent draws of a scalar along chains (m, n): m n / (1 + 2 sum of autocorrelations).
 
-    The sum ends where a pair of neighbouring autocorrelations is not positive any more (Geyer 1992). At most m n; NaN below 4 draws.
+    The sum ends where a pair of neighbouring autocorrelations is not positive any more (Geyer 1992). At most m n; NaN
+    below 4 draws.
     """
     halves = _halves(chains)
     m, n = halves.shape

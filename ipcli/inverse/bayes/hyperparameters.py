@@ -1,13 +1,15 @@
-"""Hyperparameters of the mixture, their priors, and their conditionals given the clusters (Rasmussen 2000, Gorur and Rasmussen 2010).
+"""Hyperparameters of the mixture, their priors, and their conditionals given the clusters (Rasmussen 2000, Gorur and
+Rasmussen 2010).
 
-In the coordinates of the chain, where the mean of the data is 0 and their covariance I. The conditionals of xi, rho, W and beta
-are given a mean and a precision per cluster, drawn for the purpose and forgotten again; that of alpha is given their number.
+In the coordinates of the chain, where the mean of the data is 0 and their covariance I. The conditionals of xi, rho, W
+and beta are given a mean and a precision per cluster, drawn for the purpose and forgotten again; that of alpha is given
+their number.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -111,9 +113,13 @@ class Prior:
         y = at.beta - d + 1
         terms = {
             "xi": -0.5 * float(at.xi @ at.xi) / s.xi_spread - 0.5 * d * math.log(2 * math.pi * s.xi_spread),
-            "rho": (s.rho_shape - 1) * math.log(at.rho) - s.rho_rate * at.rho + _gamma_constant(s.rho_shape, s.rho_rate),
+            "rho": (s.rho_shape - 1) * math.log(at.rho)
+            - s.rho_rate * at.rho
+            + _gamma_constant(s.rho_shape, s.rho_rate),
             "w": wishart.log_density(at.w, self.w_dof, self.w_dof / s.w_scale * np.eye(d)),
-            "beta": -(s.beta_shape + 1) * math.log(y) - self.beta_rate / y + _gamma_constant(s.beta_shape, self.beta_rate),
+            "beta": -(s.beta_shape + 1) * math.log(y)
+            - self.beta_rate / y
+            + _gamma_constant(s.beta_shape, self.beta_rate),
             "alpha": _gamma_constant(s.alpha_shape, s.alpha_rate)
             - (s.alpha_shape + 1) * math.log(at.alpha)
             - s.alpha_rate / at.alpha,

@@ -1,6 +1,8 @@
-"""Fitting a Dirichlet process mixture of Gaussians: x | mu, S ~ N(mu, S^-1), (mu, S) ~ G, G ~ DP(alpha, Normal-Wishart) (thesis 5.8, 5.9).
+"""Fitting a Dirichlet process mixture of Gaussians: x | mu, S ~ N(mu, S^-1), (mu, S) ~ G, G ~ DP(alpha, Normal-Wishart)
+(thesis 5.8, 5.9).
 
-The model with its hyperpriors is affine equivariant, so it is sampled in coordinates where the data have mean 0 and covariance I.
+The model with its hyperpriors is affine equivariant, so it is sampled in coordinates where the data have mean 0 and
+covariance I.
 """
 
 from __future__ import annotations
@@ -66,10 +68,10 @@ def fit(
 ) -> Fitted:
     """The mixture of the points x (n, d).
 
-    `mean` (d,) and `covariance` (d, d) are what the hyperpriors measure by; default: those of x. After each `every` sweeps of all
-    chains, `watch` is given a state, flat arrays by name; a later call with the same arguments, a generator in the same state
-    as then and that `state` goes on from there to the same result. ParameterError for points that are not (n >= 1, d) and
-    finite, or settings that keep no sweep.
+    `mean` (d,) and `covariance` (d, d) are what the hyperpriors measure by; default: those of x. After each `every`
+    sweeps of all chains, `watch` is given a state, flat arrays by name; a later call with the same arguments, a
+    generator in the same state as then and that `state` goes on from there to the same result. ParameterError for
+    points that are not (n >= 1, d) and finite, or settings that keep no sweep.
     """
     x = np.asarray(x, np.float64)
     _check(x, settings)
@@ -85,21 +87,28 @@ def fit(
 
 def _check(x: np.ndarray, settings: Mixture) -> None:
     if x.ndim != 2 or not len(x) or not np.isfinite(x).all():
-        raise ParameterError(f"points of a mixture: expected (n >= 1, d) finite numbers, got {x.shape}, {np.isnan(x).sum()} NaN")
+        raise ParameterError(
+            f"points of a mixture: expected (n >= 1, d) finite numbers, got {x.shape}, {np.isnan(x).sum()} NaN"
+        )
     if settings.burn_in >= settings.sweeps:
-        raise ParameterError(f"burn_in {settings.burn_in} leaves none of the {settings.sweeps} sweeps; give fewer or more sweeps")
+        raise ParameterError(
+            f"burn_in {settings.burn_in} leaves none of the {settings.sweeps} sweeps; give fewer or more sweeps"
+        )
 
 
 def _units(
     x: np.ndarray, resolution: float, mean: np.ndarray | None, covariance: np.ndarray | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Mean (d,) and Cholesky factor (d, d) of the covariance the data are measured by, and the noise (d,) added to them.
+    """Mean (d,) and Cholesky factor (d, d) of the covariance the data are measured by, and the noise (d,) added to
+    them.
 
     A column without spread is taken to have that of the widest. ParameterError if the covariance is singular.
     """
     d = x.shape[1]
     shift = x.mean(axis=0) if mean is None else np.asarray(mean, float)
-    covariance = (x - x.mean(axis=0)).T @ (x - x.mean(axis=0)) / len(x) if covariance is None else np.asarray(covariance, float)
+    covariance = (
+        (x - x.mean(axis=0)).T @ (x - x.mean(axis=0)) / len(x) if covariance is None else np.asarray(covariance, float)
+    )
     spread = np.sqrt(np.diagonal(covariance))
     flat = spread <= 1e-12 * np.maximum(spread.max(initial=0.0), np.abs(x).max(axis=0, initial=0.0))
     noise = resolution * np.where(flat, spread.max(initial=0.0, where=~flat) or 1.0, spread)

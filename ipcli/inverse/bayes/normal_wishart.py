@@ -1,13 +1,14 @@
-"""The Normal-Wishart distribution, conjugate to a Gaussian of unknown mean and precision (thesis 5.9, with the scale corrected).
+"""The Normal-Wishart distribution, conjugate to a Gaussian of unknown mean and precision (thesis 5.9, with the scale
+corrected).
 
-S ~ Wishart(beta, psi^-1), mu | S ~ N(mean, (rho S)^-1). The thesis prints the Wishart's scale as (beta W^-1); Rasmussen (2000) has
-(beta W)^-1, that is psi = beta W and E S = W^-1. A `NormalWishart` holds k of them, side by side.
+S ~ Wishart(beta, psi^-1), mu | S ~ N(mean, (rho S)^-1). The thesis prints the Wishart's scale as (beta W^-1); Rasmussen
+(2000) has (beta W)^-1, that is psi = beta W and E S = W^-1. A `NormalWishart` holds k of them, side by side.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -43,7 +44,9 @@ class NormalWishart:
     @classmethod
     def one(cls, mean: np.ndarray, rho: float, beta: float, psi: np.ndarray) -> NormalWishart:
         """A single one (k = 1)."""
-        return cls(np.asarray(mean, float)[None], np.array([rho], float), np.array([beta], float), np.asarray(psi, float)[None])
+        return cls(
+            np.asarray(mean, float)[None], np.array([rho], float), np.array([beta], float), np.asarray(psi, float)[None]
+        )
 
     @property
     def dimension(self) -> int:
@@ -64,9 +67,15 @@ class NormalWishart:
         return post._log_normaliser() - self._log_normaliser() - 0.5 * self.dimension * points.count * math.log(math.pi)
 
     def _log_normaliser(self) -> np.ndarray:
-        """log of what a density x^... must be divided by, up to powers of pi and 2 that cancel between prior and posterior."""
+        """log of what a density x^... must be divided by, up to powers of pi and 2 that cancel between prior and
+        posterior.
+        """
         d = self.dimension
-        return wishart.log_gamma(0.5 * self.beta, d) - 0.5 * self.beta * np.linalg.slogdet(self.psi)[1] - 0.5 * d * np.log(self.rho)
+        return (
+            wishart.log_gamma(0.5 * self.beta, d)
+            - 0.5 * self.beta * np.linalg.slogdet(self.psi)[1]
+            - 0.5 * d * np.log(self.rho)
+        )
 
     def predictive(self) -> Students:
         """The t density of the next point of each."""

@@ -13,10 +13,10 @@ LEARNED = ("xi", "rho", "w", "beta", "alpha")
 class Hyperprior:
     """Priors of the hyperparameters (Rasmussen 2000; Gorur and Rasmussen 2010); the defaults are theirs.
 
-    With m and C the mean and covariance that the data are measured by, and d their dimension:
-    xi ~ N(m, xi_spread C); W ~ Wishart(w_dof, w_scale C / w_dof), so E W = w_scale C; rho ~ Gamma(rho_shape, rate rho_rate);
-    1 / (beta - d + 1) ~ Gamma(beta_shape, mean beta_mean); 1 / alpha ~ Gamma(alpha_shape, rate alpha_rate).
-    Shapes and rates are those of the density x^(shape - 1) exp(-rate x); Rasmussen's G(a, b) has shape a / 2 and mean b.
+    With m and C the mean and covariance that the data are measured by, and d their dimension: xi ~ N(m, xi_spread C); W
+    ~ Wishart(w_dof, w_scale C / w_dof), so E W = w_scale C; rho ~ Gamma(rho_shape, rate rho_rate); 1 / (beta - d + 1) ~
+    Gamma(beta_shape, mean beta_mean); 1 / alpha ~ Gamma(alpha_shape, rate alpha_rate). Shapes and rates are those of
+    the density x^(shape - 1) exp(-rate x); Rasmussen's G(a, b) has shape a / 2 and mean b.
     """
 
     xi_spread: float = option(1.0, "covariance of the clusters' mean, over that of the data", low=1e-9)

@@ -8,7 +8,9 @@ CANDIDATES = 50  # draws that may be chosen and that stand for the rest, evenly 
 
 
 def variation_of_information(a: np.ndarray, b: np.ndarray) -> float:
-    """H(a | b) + H(b | a) in nats, of two partitions given by labels (n,): 0 if they are the same, whatever the labels (Meila 2007)."""
+    """H(a | b) + H(b | a) in nats, of two partitions given by labels (n,): 0 if they are the same, whatever the labels
+    (Meila 2007).
+    """
     n, width = len(a), int(b.max()) + 1
     both, of_a, of_b = (np.bincount(labels) for labels in (a.astype(np.int64) * width + b, a, b))
     return float(2 * _entropy(both, n) - _entropy(of_a, n) - _entropy(of_b, n))
@@ -20,7 +22,8 @@ def _entropy(counts: np.ndarray, n: int) -> float:
 
 
 def nearest(partitions: np.ndarray) -> int:
-    """The row of the partitions (m, n) with the least mean variation of information to the others (Wade and Ghahramani 2018).
+    """The row of the partitions (m, n) with the least mean variation of information to the others (Wade and Ghahramani
+    2018).
 
     Of more than CANDIDATES rows, that many stand for all.
     """

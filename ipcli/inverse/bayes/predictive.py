@@ -1,4 +1,6 @@
-"""The density of a new point: a flat mixture of t densities, one for each cluster of each kept sweep and one for a new cluster."""
+"""The density of a new point: a flat mixture of t densities, one for each cluster of each kept sweep and one for a new
+cluster.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,8 @@ class Predictive:
 
         sum_k n_k / (n + alpha) t_k(x) + alpha / (n + alpha) t_0(x),
 
-    Neal's predictive (thesis 5.10). The rows of a draw are its clusters in the order of their labels, then t_0. Arrays alone: it can
-    be stored as it is and made again by `Predictive(**arrays)`.
+    Neal's predictive (thesis 5.10). The rows of a draw are its clusters in the order of their labels, then t_0. Arrays
+    alone: it can be stored as it is and made again by `Predictive(**arrays)`.
     """
 
     log_weight: np.ndarray  # (m,), log of weights that add to 1
@@ -47,7 +49,9 @@ class Predictive:
             np.concatenate([part.dof for part in draws]),
             np.concatenate([part.location for part in draws]),
             np.concatenate([part.chol for part in draws]),
-            np.concatenate([part.draw + first for part, first in zip(draws, firsts[:-1], strict=True)]).astype(np.int32),
+            np.concatenate([part.draw + first for part, first in zip(draws, firsts[:-1], strict=True)]).astype(
+                np.int32
+            ),
         )
 
     @property
@@ -91,7 +95,9 @@ class Predictive:
         # Inverse factors over sqrt(dof): products in place of solutions, and log(1 + |.|^2) at once.
         inverse = np.linalg.inv(self.chol) / np.sqrt(self.dof)[:, None, None]
         shift = np.einsum("mij,mj->mi", inverse, self.location)
-        return student.log_mixture(np.ascontiguousarray(x, np.float64), constant, half_dof, shift, np.ascontiguousarray(inverse))
+        return student.log_mixture(
+            np.ascontiguousarray(x, np.float64), constant, half_dof, shift, np.ascontiguousarray(inverse)
+        )
 
     def responsibilities(self, x: np.ndarray) -> np.ndarray:
         """Posterior probability (n, m) of the components at the points x (n, d)."""

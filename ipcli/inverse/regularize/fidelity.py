@@ -1,4 +1,5 @@
-"""Data terms scale * sum_k w_k rho(x - d_k) of K observations a pixel, for rho = |r|, r^2 / 2 or Huber's, missing ones left out.
+"""Data terms scale * sum_k w_k rho(x - d_k) of K observations a pixel, for rho = |r|, r^2 / 2 or Huber's, missing ones
+left out.
 
 All arrays are float32 and C-contiguous. A new data term is a class with the methods of `Fidelity`.
 """
@@ -22,13 +23,17 @@ class Fidelity(Protocol):
         """With z = prox_{tau f}(y): x_bar <- 2 z - x, then x <- x + rho (z - x), in place."""
 
     def l1_terms(self) -> tuple[np.ndarray, np.ndarray | None, np.ndarray, np.ndarray] | None:
-        """(stack, weights, total, scale) where f is sum_i scale_i sum_k w_ik |x_i - d_ik|, whose iterations have a kernel, or None."""
+        """(stack, weights, total, scale) where f is sum_i scale_i sum_k w_ik |x_i - d_ik|, whose iterations have a
+        kernel, or None.
+        """
 
     def energy(self, x: np.ndarray) -> np.ndarray:
         """f(x), summed over each row: (h,) float64."""
 
     def lowest(self, tilt: np.ndarray, low: float, high: float, x: np.ndarray) -> np.ndarray:
-        """Per row (h,) a lower bound of min f(z) + <tilt, z> over low <= z <= high, exact if it can be; x is the present image."""
+        """Per row (h,) a lower bound of min f(z) + <tilt, z> over low <= z <= high, exact if it can be; x is the
+        present image.
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +47,8 @@ class Observations:
 
     @classmethod
     def of(cls, layers: Sequence[np.ndarray], weights: Sequence[np.ndarray] | None = None) -> Observations:
-        """Sort K layers (h, w), NaN or inf where there is no observation; K weights (h, w) >= 0, where 0 means none too.
+        """Sort K layers (h, w), NaN or inf where there is no observation; K weights (h, w) >= 0, where 0 means none
+        too.
 
         The layers are asked for one by one, so that they need not all be in memory beside the stack.
         """
@@ -68,7 +74,9 @@ class Observations:
         return Observations(self.stack[top:bottom], weights, self.total[top:bottom], self.count[top:bottom])
 
     def weighed(self, weights: np.ndarray) -> Observations:
-        """The same observations with their weights times these (h, K, w) float32, in the order of the stack, 0 where there is none."""
+        """The same observations with their weights times these (h, K, w) float32, in the order of the stack, 0 where
+        there is none.
+        """
         weights = weights if self.weights is None else self.weights * weights
         return Observations(self.stack, weights, weights.sum(axis=1), self.count)
 
@@ -217,7 +225,9 @@ class SquaredDeviations:
 
 @dataclass(frozen=True, eq=False)
 class Anchored:
-    """Another data term plus |x - anchor|^2 / (2 step): the proximal step of alternating minimisation (Algorithm 4.2)."""
+    """Another data term plus |x - anchor|^2 / (2 step): the proximal step of alternating minimisation
+    (Algorithm 4.2).
+    """
 
     inner: Fidelity
     anchor: np.ndarray  # (h, w) float32

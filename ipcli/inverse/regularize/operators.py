@@ -1,9 +1,10 @@
 """Difference operators of TGV on an image grid, their adjoints, and the test that proves a pair adjoint.
 
-Discretisation of Bredies, Kunisch and Pock (SIAM J. Imaging Sci. 2010): forward differences in the gradient, backward ones
-in the symmetrised gradient, whose mixed entry is halved and counts twice in the inner product. Differences that would leave
-the image are zero, so that both operators vanish exactly on the functions they should, up to the border. The thesis' own
-code takes forward differences in both and does not halve the mixed entry, so its energies are not comparable with these.
+Discretisation of Bredies, Kunisch and Pock (SIAM J. Imaging Sci. 2010): forward differences in the gradient, backward
+ones in the symmetrised gradient, whose mixed entry is halved and counts twice in the inner product. Differences that
+would leave the image are zero, so that both operators vanish exactly on the functions they should, up to the border.
+The thesis' own code takes forward differences in both and does not halve the mixed entry, so its energies are not
+comparable with these.
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-NORM = np.sqrt(12.0)  # of (x, v) -> (grad x - v, E v): an upper bound, the true value tends to sqrt((17 + sqrt 33) / 2) = 3.37
+NORM = np.sqrt(
+    12.0
+)  # of (x, v) -> (grad x - v, E v): an upper bound, the true value tends to sqrt((17 + sqrt 33) / 2) = 3.37
 
 
 def gradient(x: np.ndarray) -> np.ndarray:
@@ -69,7 +72,8 @@ def dot_test(
     y: np.ndarray,
     range_product: Callable[[np.ndarray, np.ndarray], float] = np.vdot,
 ) -> float:
-    """|<A x, y> - <x, A* y>| relative to the size of the products: near the unit round-off if and only if A* is the adjoint.
+    """|<A x, y> - <x, A* y>| relative to the size of the products: near the unit round-off if and only if A* is the
+    adjoint.
 
     `range_product` is the inner product of the space A maps into.
     """

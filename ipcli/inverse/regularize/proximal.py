@@ -11,7 +11,8 @@ import numpy as np
 
 
 def project_balls(p: np.ndarray, radius: float, multiplicity: tuple[int, ...]) -> np.ndarray:
-    """Project a field p (c, ...) point by point on balls; component i counts `multiplicity[i]` times in the squared norm.
+    """Project a field p (c, ...) point by point on balls; component i counts `multiplicity[i]` times in the squared
+    norm.
 
     (1, 1) gives the discs of a gradient field, (1, 1, 2) the Frobenius balls of a field of symmetric matrices. The prox
     of the conjugate of radius * |.|.
@@ -21,17 +22,20 @@ def project_balls(p: np.ndarray, radius: float, multiplicity: tuple[int, ...]) -
 
 
 def shrink_balls(p: np.ndarray, radius: float, multiplicity: tuple[int, ...]) -> np.ndarray:
-    """Prox of radius * |.|, the point-wise norm of `project_balls`: shorten every vector by radius, to 0 at the least."""
+    """Prox of radius * |.|, the point-wise norm of `project_balls`: shorten every vector by radius, to 0 at
+    the least.
+    """
     size = np.sqrt(sum(m * c * c for m, c in zip(multiplicity, p, strict=True)))
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(size > radius, p * (1 - radius / size), 0)
 
 
 def absolute_deviations(y: np.ndarray, data: np.ndarray, weights: np.ndarray, t: float) -> np.ndarray:
-    """Prox of sum_k w_k |x - d_k|, exact, for y (...), data and weights (K, ...); observations of weight 0 do not count.
+    """Prox of sum_k w_k |x - d_k|, exact, for y (...), data and weights (K, ...); observations of weight 0 do not
+    count.
 
-    The minimiser is the median of the K data and the K + 1 points y + t s_m, s_m = sum w - 2 (w_(1) + ... + w_(m)) (Li and
-    Osher, Comm. Math. Sci. 7(3), 2009).
+    The minimiser is the median of the K data and the K + 1 points y + t s_m, s_m = sum w - 2 (w_(1) + ... + w_(m)) (Li
+    and Osher, Comm. Math. Sci. 7(3), 2009).
     """
     missing = weights == 0
     order = np.argsort(np.where(missing, np.inf, data), axis=0, kind="stable")

@@ -4,16 +4,17 @@ TGV(x) = min_v alpha1 |grad x - v| + alpha0 |E v| (thesis eq. 2.43; Bredies, Kun
 
     f(x) + <grad x - v, p> + <E v, q>,   |p| <= alpha1, |q| <= alpha0 at every pixel,
 
-is found by the over-relaxed primal-dual method (Condat, JOTA 2013), whose half steps are fused kernels, and certified by a
-primal-dual gap restricted to a box, which stays finite where there are no data. v is not bounded by the problem: the
-certificate holds as long as no solution has a slope steeper than `SLOPE_MARGIN` times the sum of the mean slope of the
-iterate and its steepest one in the `NEIGHBOURHOOD` of the pixel.
+is found by the over-relaxed primal-dual method (Condat, JOTA 2013), whose half steps are fused kernels, and certified
+by a primal-dual gap restricted to a box, which stays finite where there are no data. v is not bounded by the problem:
+the certificate holds as long as no solution has a slope steeper than `SLOPE_MARGIN` times the sum of the mean slope of
+the iterate and its steepest one in the `NEIGHBOURHOOD` of the pixel.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -50,22 +51,26 @@ class Iterate:
         low, high = np.percentile(self.x, (2, 98))
         return replace(solver, primal_weight=BALANCE / (float(high - low) or 1.0))
 
-    def advance(self, fidelity: Fidelity, regulariser: Regulariser, solver: Solver, relaxations: Sequence[float]) -> None:
+    def advance(
+        self, fidelity: Fidelity, regulariser: Regulariser, solver: Solver, relaxations: Sequence[float]
+    ) -> None:
         """One iteration for each of the relaxations, in place.
 
-        What a row becomes depends, an iteration later, on its two neighbours. A block of rows that starts with n more rows
-        on each side can therefore do n iterations alone before it needs its neighbours' rows again; the result is the same,
-        bit by bit, for any number of blocks.
+        What a row becomes depends, an iteration later, on its two neighbours. A block of rows that starts with n more
+        rows on each side can therefore do n iterations alone before it needs its neighbours' rows again; the result is
+        the same, bit by bit, for any number of blocks.
         """
         from ipcli.kernels import threads
 
         solver = self.balanced(solver)
         regulariser = replace(regulariser, alpha1=plane(regulariser.alpha1, self.x.shape))
         bounds = threads.blocks(self.x.shape[0], least=2 * TOGETHER)
-        blocks = threads.each(lambda rows: _Block(self, fidelity, *rows, halo=TOGETHER if len(bounds) > 1 else 0), bounds)
+        blocks = threads.each(
+            lambda rows: _Block(self, fidelity, *rows, halo=TOGETHER if len(bounds) > 1 else 0), bounds
+        )
         for start in range(0, len(relaxations), TOGETHER):
             together = relaxations[start : start + TOGETHER]
-            threads.each(lambda block: block.iterate(regulariser, solver, together), blocks)
+            threads.each(partial(_Block.iterate, regulariser=regulariser, solver=solver, relaxations=together), blocks)
             for above, below in pairwise(blocks):
                 above.meet(below)
         threads.each(lambda block: block.return_to(self), blocks)
@@ -87,7 +92,8 @@ class Iterate:
         tilt = np.empty_like(self.x)
         residual = float(kernels.dual_residual_rows(tilt, self.p, self.q, steepest_slopes(self.v)).sum())
         data = _by_rows(
-            lambda top, bottom: fidelity.rows(top, bottom).lowest(tilt[top:bottom], low, high, self.x[top:bottom]), self.x
+            lambda top, bottom: fidelity.rows(top, bottom).lowest(tilt[top:bottom], low, high, self.x[top:bottom]),
+            self.x,
         )
         return data - residual
 
@@ -105,7 +111,9 @@ class _Block:
         self.y, self.x_bar, self.v_bar = np.empty_like(x[0]), np.empty_like(x[0]), np.empty_like(duals[0])
 
     def iterate(self, regulariser: Regulariser, solver: Solver, relaxations: Sequence[float]) -> None:
-        """One iteration for each of the relaxations, at the steps tau = 1 / (|K| weight) and sigma = weight / |K|; alpha1 (h, w)."""
+        """One iteration for each of the relaxations, at the steps tau = 1 / (|K| weight) and sigma = weight / |K|;
+        alpha1 (h, w).
+        """
         from ipcli.kernels import iteration as kernels
 
         tau, sigma = np.float32(0.99 / (NORM * solver.primal_weight)), np.float32(0.99 * solver.primal_weight / NORM)
@@ -163,7 +171,9 @@ def steepest_slopes(v: np.ndarray) -> np.ndarray:
     import cv2
 
     size = np.abs(v).max(axis=0)
-    return np.float32(SLOPE_MARGIN) * (cv2.dilate(size, np.ones((NEIGHBOURHOOD, NEIGHBOURHOOD), np.uint8)) + size.mean())
+    return np.float32(SLOPE_MARGIN) * (
+        cv2.dilate(size, np.ones((NEIGHBOURHOOD, NEIGHBOURHOOD), np.uint8)) + size.mean()
+    )
 
 
 @dataclass(frozen=True)
@@ -185,7 +195,8 @@ def minimise(
     ceiling: float = np.inf,
     watch: Callable[[Look], None] = lambda look: None,
 ) -> list[Look]:
-    """Move the iterate to a minimiser of fidelity + regulariser, in place, and return the looks taken at it, the last one last.
+    """Move the iterate to a minimiser of fidelity + regulariser, in place, and return the looks taken at it, the last
+    one last.
 
     Stops when the restricted gap is at most `solver.tolerance` and the energy at most `ceiling`, or after
     `solver.iterations`. `bounds` are the least and greatest value the minimiser can take.

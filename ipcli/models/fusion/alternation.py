@@ -8,12 +8,14 @@ where rate = 1/(2W). The best confidence of an image is L_i = b_i / (D_i(x) + ra
 
     F(x) = TGV(x) + lambda sum_i b_i log(D_i(x) + rate_i)   (+ terms without x),
 
-the merit that every round of alternate convex search lowers (it minimises a majorant of F), and that stops it. By default
-b_i = K_i + shape - 1 for K_i observations: the confidence is then the posterior mode of the precision of Laplace noise under
-a Gamma(shape, rate) prior. The code published with the thesis never used L in ACS and AMA; see docs/errata.md.
+the merit that every round of alternate convex search lowers (it minimises a majorant of F), and that stops it. By
+default b_i = K_i + shape - 1 for K_i observations: the confidence is then the posterior mode of the precision of
+Laplace noise under a Gamma(shape, rate) prior. The code published with the thesis never used L in ACS and AMA; see
+docs/errata.md.
 
-A confidence of every observation (there: "_sep") stands in for that of the pixel by L_ik in place of L_i and its prior divided by
-K_i; all of the above then holds observation by observation, and where they deviate alike the two are the same.
+A confidence of every observation (there: "_sep") stands in for that of the pixel by L_ik in place of L_i and its prior
+divided by K_i; all of the above then holds observation by observation, and where they deviate alike the two are the
+same.
 """
 
 from __future__ import annotations
@@ -36,7 +38,9 @@ BICONVEX_STEP = 0.1  # tau of the confidence in Algorithm 4.4
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Energy (4.3) for one image; the confidence L, b and rate are (h, w) float32, or (h, K, w) with one for each observation."""
+    """Energy (4.3) for one image; the confidence L, b and rate are (h, w) float32, or (h, K, w) with one for each
+    observation.
+    """
 
     fidelity: AbsoluteDeviations | SquaredDeviations  # its scale, or its weights, are set anew from the confidence
     lam: float
@@ -91,7 +95,9 @@ class Problem:
         return replace(self, regulariser=replace(self.regulariser, alpha1=self.regulariser.alpha1 * weights))
 
     def for_each(self) -> Problem:
-        """The same with a confidence for each observation in place of one for each pixel, whose prior they share out."""
+        """The same with a confidence for each observation in place of one for each pixel, whose prior they
+        share out.
+        """
         count = np.maximum(self.fidelity.data.count, 1)
         shape = self.fidelity.data.stack.shape
         b, rate = (np.broadcast_to((prior / count)[:, None], shape) for prior in (self.b, self.rate))
@@ -100,7 +106,9 @@ class Problem:
 
 @dataclass
 class History:
-    """Rows (round, iteration, energy, restricted gap, merit) of a fusion; the merit stands in the last row of its round."""
+    """Rows (round, iteration, energy, restricted gap, merit) of a fusion; the merit stands in the last row of its
+    round.
+    """
 
     rows: list[tuple[float, float, float, float, float]] = field(default_factory=list)
 
@@ -115,16 +123,20 @@ class History:
         self.rows[-1] = (*self.rows[-1][:4], merit)
 
 
-def with_given_confidence(problem: Problem, confidence: np.ndarray, iterate: tgv.Iterate, solver: Solver, history: History) -> None:
+def with_given_confidence(
+    problem: Problem, confidence: np.ndarray, iterate: tgv.Iterate, solver: Solver, history: History
+) -> None:
     """Algorithm 4.3 by the fast solver: the depth for a confidence that stays as it is."""
     history.add(tgv.minimise(problem.at(confidence), problem.regulariser, iterate, problem.bounds, solver))
 
 
-def alternate_convex_search(problem: Problem, iterate: tgv.Iterate, solver: Solver, rounds: int, history: History) -> None:
+def alternate_convex_search(
+    problem: Problem, iterate: tgv.Iterate, solver: Solver, rounds: int, history: History
+) -> None:
     """Algorithm 4.1: the best confidence of the depth, then the best depth of the confidence, until the merit settles.
 
-    A round is only over once its energy is no higher than where it began; with the best confidence there, this makes the
-    merit fall.
+    A round is only over once its energy is no higher than where it began; with the best confidence there, this makes
+    the merit fall.
     """
     merit = problem.merit(iterate)
     history.mark(merit)
@@ -134,11 +146,14 @@ def alternate_convex_search(problem: Problem, iterate: tgv.Iterate, solver: Solv
             break
 
 
-def alternate_minimisation(problem: Problem, iterate: tgv.Iterate, solver: Solver, rounds: int, history: History) -> None:
-    """Algorithm 4.2: as alternate convex search, each step held near the last by a proximal term that reaches further each round.
+def alternate_minimisation(
+    problem: Problem, iterate: tgv.Iterate, solver: Solver, rounds: int, history: History
+) -> None:
+    """Algorithm 4.2: as alternate convex search, each step held near the last by a proximal term that reaches further
+    each round.
 
-    The reach starts at 1/K, where the joint problem is convex (K-semiconvexity; the thesis' sqrt(N) is not needed), and ends at
-    FAR, where it holds nothing back. A round that gains little says nothing before that: it was not let go.
+    The reach starts at 1/K, where the joint problem is convex (K-semiconvexity; the thesis' sqrt(N) is not needed), and
+    ends at FAR, where it holds nothing back. A round that gains little says nothing before that: it was not let go.
     """
     nearest = 1.0 / max(float(problem.fidelity.total.max()), 1.0)
     confidence = problem.best_confidence(iterate.x)
@@ -153,7 +168,8 @@ def alternate_minimisation(problem: Problem, iterate: tgv.Iterate, solver: Solve
 def biconvex_primal_dual(problem: Problem, iterate: tgv.Iterate, solver: Solver, rounds: int, history: History) -> None:
     """Algorithm 4.4: one proximal step of the confidence in every iteration of the depth.
 
-    Its K dual images are replaced by their optimum, the exact proximal map. Not proven to converge; the history shows it.
+    Its K dual images are replaced by their optimum, the exact proximal map. Not proven to converge; the history shows
+    it.
     """
     confidence, solver = problem.best_confidence(iterate.x), iterate.balanced(solver)
     history.mark(problem.merit(iterate))
@@ -175,7 +191,9 @@ def confidence_step(confidence: np.ndarray, problem: Problem, x: np.ndarray, ste
 
 
 def tightened(solver: Solver, rounds: int) -> list[Solver]:
-    """The solver of each round after the first pass: no more exact than the confidence deserves yet, at the end as asked."""
+    """The solver of each round after the first pass: no more exact than the confidence deserves yet, at the end as
+    asked.
+    """
     shares = [START / TIGHTEN ** (round + 1) for round in range(rounds - 1)] + [1.0]
     return [replace(solver, tolerance=max(share, 1.0) * solver.tolerance) for share in shares]
 

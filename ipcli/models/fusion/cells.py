@@ -51,7 +51,8 @@ class Cells:
         cells = np.floor(points.position / self._spacing) + CELLS // 2
         if len(cells) and not 0 <= cells.min() <= cells.max() < CELLS:
             raise ParameterError(
-                f"merge.spacing: {self._spacing:g} divides the cloud into more than {CELLS} cells along an axis; give more"
+                f"merge.spacing: {self._spacing:g} divides the cloud into more than {CELLS} cells along an axis; give "
+                "more"
             )
         self._parts.append((cells.astype(np.int64) @ np.array([CELLS * CELLS, CELLS, 1]), points))
         self._waiting += len(cells)
@@ -88,4 +89,6 @@ def joined(parts: list[Points]) -> Points:
     if any(part.color is None for part in parts):
         parts = [replace(part, color=None) for part in parts]
     names = [name for name in Points.__dataclass_fields__ if getattr(parts[0], name) is not None]
-    return Points(**({"color": None} | {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}))
+    return Points(
+        **({"color": None} | {name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
+    )

@@ -8,7 +8,8 @@ from ipcli.geometry.cameras import rays
 from ipcli.geometry.surface import normals
 from ipcli.inverse.regularize.operators import gradient
 
-SHARE = 0.3  # of the noise that the neighbours leave; chosen with NEAR on the development scenes by the area of `metrics.ause`
+# of the noise that the neighbours leave; chosen with NEAR on the development scenes by the area of `metrics.ause`
+SHARE = 0.3
 NEAR = 1.5  # pixels, standard deviation of a neighbourhood
 LEAST = 0.05  # a surface seen edge-on keeps this much, so that no pixel is cut off from its data
 
@@ -27,9 +28,10 @@ def view_angle(depth: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
 def uncertainty(x: np.ndarray, deviation: np.ndarray, count: np.ndarray) -> np.ndarray:
     """The error to expect of a fused image x (h, w), in units of its noise and up to a factor: it orders pixels.
 
-    What the observations leave of their noise, SHARE times their mean deviation over sqrt(K), and how far x changes within a
-    pixel, since what is off sideways is off by that in depth: on slopes that turn away, and at the edges of surfaces. Both
-    are means over a neighbourhood; deviation (h, w) is sum_k |x - d_k| and count (h, w) the number K of observations.
+    What the observations leave of their noise, SHARE times their mean deviation over sqrt(K), and how far x changes
+    within a pixel, since what is off sideways is off by that in depth: on slopes that turn away, and at the edges of
+    surfaces. Both are means over a neighbourhood; deviation (h, w) is sum_k |x - d_k| and count (h, w) the number K of
+    observations.
     """
     import cv2
 

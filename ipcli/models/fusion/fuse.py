@@ -28,7 +28,9 @@ class Fused:
 
     depth: np.ndarray  # float32, in-painted where nothing was observed; NaN there for methods without regularisation
     confidence: np.ndarray  # float32, L of eq. (4.14), in inverse noise scales; 0 where nothing was observed
-    uncertainty: np.ndarray  # float32, the error to expect up to a factor, in the unit of depth; NaN where nothing was observed
+    uncertainty: (
+        np.ndarray
+    )  # float32, the error to expect up to a factor, in the unit of depth; NaN where nothing was observed
     normals: np.ndarray  # (h, w, 3) float32, by the slopes of TGV if there are any
     observations: np.ndarray  # uint16
     mean: np.ndarray  # float32, of the forward projected observations, NaN where there are none
@@ -59,10 +61,10 @@ def fuse(
 ) -> Fused:
     """Fuse the views, the reference among them if it is to count, in depth or in inverse depth.
 
-    Planes are affine in inverse depth, and the noise of stereo is homogeneous there; depth sensors want depth. Methods with
-    regularisation then look their observations up anew by the map that they found, `fusion.reassociate` times; mean and median
-    stay those of the forward projection (4.34). `scales`, one for each pass, are measured if not given. Raises NoSolution if no
-    view reaches the reference camera.
+    Planes are affine in inverse depth, and the noise of stereo is homogeneous there; depth sensors want depth. Methods
+    with regularisation then look their observations up anew by the map that they found, `fusion.reassociate` times;
+    mean and median stay those of the forward projection (4.34). `scales`, one for each pass, are measured if not given.
+    Raises NoSolution if no view reaches the reference camera.
     """
     progress(0.0, "reprojecting")
     forward = reproject_all(views, reference)
@@ -166,7 +168,9 @@ def fuse_layers(
     """
     weights = layers.confidence if fusion.confidence.given else None
     if weights is not None and np.isfinite(layers.depth).any() and not (weights[np.isfinite(layers.depth)] > 0).any():
-        raise NoSolution("the given confidence of every observation is 0: correct it, or ignore it with --no-given-confidence")
+        raise NoSolution(
+            "the given confidence of every observation is 0: correct it, or ignore it with --no-given-confidence"
+        )
     if scale is None:
         units = measure(layers.depth, weights, inverse=inverse)
     else:
@@ -204,7 +208,13 @@ def first_pass(fusion: Fusion) -> Fusion:
 
 
 def solve(
-    problem: Problem, iterate: tgv.Iterate, method: Method, fusion: Fusion, units: Units, reference: View, history: History
+    problem: Problem,
+    iterate: tgv.Iterate,
+    method: Method,
+    fusion: Fusion,
+    units: Units,
+    reference: View,
+    history: History,
 ) -> Problem:
     """Move the iterate to the solution by the algorithm of the method; the problem with its prior confidence put in."""
     solver, even = fusion.solver, np.ones(iterate.x.shape, np.float32)
@@ -224,10 +234,10 @@ def solve(
 def balanced_lambda(data: Observations, method: Method) -> float:
     """The lambda at which, on the true image, chance pulls a pixel as hard as the regulariser can hold.
 
-    There the K signs of x - d_k add up to a random walk of length sqrt(sum of w_k^2), in the units of the noise also for
-    squares; the regulariser answers with at most about alpha1. So lambda = 1 / that length, in the pixel of the median
-    observation: a wide margin of pixels that few views reach does not count for much. The median of K observations pulls as
-    one, but errs 1 / sqrt(K) as much.
+    There the K signs of x - d_k add up to a random walk of length sqrt(sum of w_k^2), in the units of the noise also
+    for squares; the regulariser answers with at most about alpha1. So lambda = 1 / that length, in the pixel of the
+    median observation: a wide margin of pixels that few views reach does not count for much. The median of K
+    observations pulls as one, but errs 1 / sqrt(K) as much.
     """
     walk = np.sqrt(data.count if data.weights is None else np.square(data.weights).sum(axis=1)).ravel()
     order = np.argsort(walk, kind="stable")

@@ -1,7 +1,7 @@
 """Fused depth maps of several cameras as one cloud: what enough of them agree on, averaged.
 
-A pixel of one map is a point; another map confirms it, looks through it, or has something before it and cannot tell. What is
-confirmed moves to the mean of the surfaces that confirm it, and the points within a cell of a grid become one.
+A pixel of one map is a point; another map confirms it, looks through it, or has something before it and cannot tell.
+What is confirmed moves to the mean of the surfaces that confirm it, and the points within a cell of a grid become one.
 """
 
 from __future__ import annotations
@@ -42,7 +42,9 @@ class FusedMap:
         return np.where(usable, self.depth, np.float32(np.nan))
 
     def precision(self) -> np.ndarray:
-        """(h, w) float64: sum over the observations of the inverse square of their noise, which the confidence divides."""
+        """(h, w) float64: sum over the observations of the inverse square of their noise, which the confidence
+        divides.
+        """
         return self.observations * (self.confidence / self.noise.astype(np.float64)) ** 2
 
 
@@ -74,8 +76,9 @@ class Cloud:
 
 
 def depth_noise(depth: np.ndarray, residuals: np.ndarray, *, inverse: bool) -> np.ndarray:
-    """Noise (h, w) of one observation in depth, from the median residual (k,) of each view; it grows with the square of the
-    depth where it is homogeneous in the inverse."""
+    """Noise (h, w) of one observation in depth, from the median residual (k,) of each view; it grows with the square of
+    the depth where it is homogeneous in the inverse.
+    """
     scale = MAD_TO_SIGMA * float(np.nanmedian(residuals)) if np.isfinite(residuals).any() else 0.0
     shape = np.square(depth / np.nanmedian(depth)) if inverse else np.ones_like(depth)
     return np.maximum(scale * shape, SMALLEST_NOISE * depth).astype(np.float32)
@@ -84,8 +87,8 @@ def depth_noise(depth: np.ndarray, residuals: np.ndarray, *, inverse: bool) -> n
 def merge(maps: Sequence[FusedMap], settings: Merge) -> Cloud:
     """One cloud of the maps. The grid is fixed to the first camera, so that the choice of the world does not matter.
 
-    A map is taken from the sequence whenever it is asked, so that one that reads them anew bounds the memory: a map and one that
-    it asks a thread, and the points of the cloud.
+    A map is taken from the sequence whenever it is asked, so that one that reads them anew bounds the memory: a map and
+    one that it asks a thread, and the points of the cloud.
 
     Raises NoSolution if nothing is confirmed by enough maps, ParameterError for a spacing too fine for the extent.
     """
@@ -115,18 +118,22 @@ def merge(maps: Sequence[FusedMap], settings: Merge) -> Cloud:
 
 
 def neighbours(places: np.ndarray, index: int, most: int) -> list[int]:
-    """The other maps whose cameras are near this one and look at a place near to its; places (m, 2, 3) are their `looks_at`."""
+    """The other maps whose cameras are near this one and look at a place near to its; places (m, 2, 3) are their
+    `looks_at`.
+    """
     apart = np.linalg.norm(places - places[index], axis=2).sum(axis=1)
     nearest = np.argsort(apart, kind="stable")
     return nearest[nearest != index][:most].tolist()
 
 
 def confirmed(own: FusedMap, others: Iterable[FusedMap], settings: Merge) -> tuple[Points, tuple[int, int, int]]:
-    """The points of a map that enough others confirm, and no fewer than look through them, in its camera's frame; how many there
-    were, are, and were contradicted."""
+    """The points of a map that enough others confirm, and no fewer than look through them, in its camera's frame; how
+    many there were, are, and were contradicted.
+    """
     depth, precision = own.surface, own.precision()
     sums = np.concatenate(
-        [precision[..., None] * back_project(depth, own.intrinsics), precision[..., None], own.confidence[..., None]], axis=2
+        [precision[..., None] * back_project(depth, own.intrinsics), precision[..., None], own.confidence[..., None]],
+        axis=2,
     )
     votes = np.zeros((*depth.shape, 2), np.uint16)
     limits = (settings.tolerance, settings.relative, float(np.cos(np.radians(settings.angle))), GRAZING)
@@ -140,5 +147,12 @@ def confirmed(own: FusedMap, others: Iterable[FusedMap], settings: Merge) -> tup
     keep = known & (agreed >= settings.agree) & ~contradicted
     total = sums[keep]
     color = None if own.image is None else own.image[keep]
-    points = Points(total[:, :3] / total[:, 3:4], own.normals[keep].astype(np.float64), color, total[:, 3], total[:, 4], agreed[keep] + 1)
+    points = Points(
+        total[:, :3] / total[:, 3:4],
+        own.normals[keep].astype(np.float64),
+        color,
+        total[:, 3],
+        total[:, 4],
+        agreed[keep] + 1,
+    )
     return points, (int(known.sum()), int(keep.sum()), int((known & contradicted).sum()))

@@ -1,4 +1,6 @@
-"""Errors of depth maps against ground truth: plain ones, those of the thesis' tables, and those of the KITTI benchmark."""
+"""Errors of depth maps against ground truth: plain ones, those of the thesis' tables, and those of the KITTI
+benchmark.
+"""
 
 from __future__ import annotations
 
@@ -12,18 +14,21 @@ DISPARITY_COLUMNS = ("out-3 %", "D-avg px", "out-3 seen %")
 
 
 def compare(
-    maps: dict[str, np.ndarray], truth: np.ndarray, intrinsics: np.ndarray, baseline_focal: float | None,
+    maps: dict[str, np.ndarray],
+    truth: np.ndarray,
+    intrinsics: np.ndarray,
+    baseline_focal: float | None,
     own_normals: dict[str, np.ndarray] | None = None,
 ) -> tuple[list[str], np.ndarray]:
     """Columns and a row of figures for each depth map (h, w), NaN = nothing, against the truth (h, w), NaN = unknown.
 
-    Depth errors are taken where every map has a value, so that no map gains by leaving the hard pixels out; the density says
-    how much of the truth each covers by itself. centred RMSE and Z-MAE are those of the thesis' tables, after subtracting the
-    mean and the median error; N-MAE is the mean angle between the normals in radians, a missing normal counting 90 degrees;
-    of the maps in `own_normals` those (h, w, 3) are judged, of others those of the map.
-    With baseline_focal (pixels times unit) follow the share of disparities that are off by more than 3 px and the mean
-    disparity error, both after the background interpolation of the KITTI benchmark and so on every pixel of the truth, and that
-    share of the pixels alone where every map has a value.
+    Depth errors are taken where every map has a value, so that no map gains by leaving the hard pixels out; the density
+    says how much of the truth each covers by itself. centred RMSE and Z-MAE are those of the thesis' tables, after
+    subtracting the mean and the median error; N-MAE is the mean angle between the normals in radians, a missing normal
+    counting 90 degrees; of the maps in `own_normals` those (h, w, 3) are judged, of others those of the map. With
+    baseline_focal (pixels times unit) follow the share of disparities that are off by more than 3 px and the mean
+    disparity error, both after the background interpolation of the KITTI benchmark and so on every pixel of the truth,
+    and that share of the pixels alone where every map has a value.
     """
     known = np.isfinite(truth)
     everywhere = known & np.isfinite(np.stack(list(maps.values()))).all(axis=0)
@@ -45,12 +50,18 @@ def compare(
 
 
 def depth_errors(depth: np.ndarray, truth: np.ndarray, where: np.ndarray) -> list[float]:
-    """RMSE, MAE, RMSE about the mean error and MAE about the median error over the pixels of `where`; NaN without any."""
+    """RMSE, MAE, RMSE about the mean error and MAE about the median error over the pixels of `where`; NaN
+    without any.
+    """
     if not where.any():
         return [float("nan")] * 4
     error = (depth[where] - truth[where]).astype(np.float64)
-    return [float(np.sqrt((error**2).mean())), float(np.abs(error).mean()), float(error.std()),
-            float(np.abs(error - np.median(error)).mean())]  # fmt: skip
+    return [
+        float(np.sqrt((error**2).mean())),
+        float(np.abs(error).mean()),
+        float(error.std()),
+        float(np.abs(error - np.median(error)).mean()),
+    ]
 
 
 def normal_error(n: np.ndarray, true_n: np.ndarray, where: np.ndarray) -> float:
@@ -63,7 +74,9 @@ def normal_error(n: np.ndarray, true_n: np.ndarray, where: np.ndarray) -> float:
 
 
 def disparity_errors(disparity: np.ndarray, truth: np.ndarray, tolerance: float = 3.0) -> list[float]:
-    """Percentage of the pixels of the truth off by more than `tolerance`, and mean error, in pixels; NaN without any."""
+    """Percentage of the pixels of the truth off by more than `tolerance`, and mean error, in pixels; NaN
+    without any.
+    """
     known = np.isfinite(truth)
     if not known.any():
         return [float("nan")] * 2
@@ -72,11 +85,13 @@ def disparity_errors(disparity: np.ndarray, truth: np.ndarray, tolerance: float 
 
 
 def ause(confidence: np.ndarray, error: np.ndarray) -> float:
-    """Area under the sparsification error, in mean errors: how much the order of a confidence (h, w) differs from the best.
+    """Area under the sparsification error, in mean errors: how much the order of a confidence (h, w) differs from the
+    best.
 
-    The sparsification curve is the mean absolute error of the share s of most confident pixels, 0 < s <= 1; the area is that
-    between it and the curve of the pixels in the order of their errors (h, w) themselves. 0 is perfect; pixels of equal
-    confidence count as in random order. NaN without a pixel that has both, 0 without any error (Ilg et al., ECCV 2018).
+    The sparsification curve is the mean absolute error of the share s of most confident pixels, 0 < s <= 1; the area is
+    that between it and the curve of the pixels in the order of their errors (h, w) themselves. 0 is perfect; pixels of
+    equal confidence count as in random order. NaN without a pixel that has both, 0 without any error (Ilg et al., ECCV
+    2018).
     """
     known = np.isfinite(confidence) & np.isfinite(error)
     error = np.abs(error[known]).astype(np.float64)
@@ -90,8 +105,9 @@ def ause(confidence: np.ndarray, error: np.ndarray) -> float:
 
 
 def interpolate_background(disparity: np.ndarray) -> np.ndarray:
-    """Fill the NaN of a disparity map (h, w) as the KITTI development kit does: the smaller neighbour along the row, the only
-    one at its ends, then the nearest value along the column. NaN stays only if there is no value at all."""
+    """Fill the NaN of a disparity map (h, w) as the KITTI development kit does: the smaller neighbour along the row,
+    the only one at its ends, then the nearest value along the column. NaN stays only if there is no value at all.
+    """
     filled = _fill_rows(disparity, np.fmin)
     return _fill_rows(filled.T, lambda before, after: np.where(np.isfinite(before), before, after)).T
 

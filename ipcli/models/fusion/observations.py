@@ -1,7 +1,7 @@
 """The observations of a fusion in the quantity whose noise is homogeneous, measured in units of that noise.
 
-TGV with absolute deviations does not care about units, but the confidence, its prior, Huber's width and the step sizes do;
-in units of the noise a scene in millimetres gives the same picture as the same scene in metres.
+TGV with absolute deviations does not care about units, but the confidence, its prior, Huber's width and the step sizes
+do; in units of the noise a scene in millimetres gives the same picture as the same scene in metres.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from ipcli.errors import NoSolution
 from ipcli.inverse.regularize.fidelity import Observations
 
 MAD_TO_SIGMA = 1.4826  # of a normal distribution; for a Laplace distribution of scale b the result is 1.03 b
-# Of K = 2, 3, ... values, what their median absolute deviation from their own median, pooled over many such samples, falls short
+# Of K = 2, 3, ... values, what their median absolute deviation from their own median, pooled over many such samples,
+# falls short
 # by (an odd K has a deviation of 0); simulated, midway between Laplace and normal noise. K / (K - 1) for more.
 SMALL_SAMPLE = np.array([1.31, 2.03, 1.32, 1.32, 1.235, 1.185, 1.165])
 SAMPLE = 50_000  # pixels, in whole rows, are enough to measure by
@@ -91,7 +92,9 @@ def floor(layers: np.ndarray, weights: np.ndarray | None = None, *, inverse: boo
     """Half the least depth, or inverse depth, of layers as those of `measure`; NoSolution if there is none."""
     least = min(_extreme(layers[k], None if weights is None else weights[k], inverse) for k in range(len(layers)))
     if not np.isfinite(least):
-        raise NoSolution("no view has a valid depth inside the reference view: check the poses, their direction and the unit")
+        raise NoSolution(
+            "no view has a valid depth inside the reference view: check the poses, their direction and the unit"
+        )
     return least / 2
 
 
@@ -113,8 +116,8 @@ def _extreme(layer: np.ndarray, weights: np.ndarray | None, inverse: bool) -> fl
 def noise_scale(q: np.ndarray) -> float:
     """Robust standard deviation of layers (K, h, w), NaN = nothing, about the median of their pixel.
 
-    Of the pixels with at least two observations, each corrected for the share of the noise that its median took up; with
-    fewer than 1 % of such pixels, of the second differences along rows of the single observations.
+    Of the pixels with at least two observations, each corrected for the share of the noise that its median took up;
+    with fewer than 1 % of such pixels, of the second differences along rows of the single observations.
     """
     observations = Observations.of(q)
     several = observations.count >= 2

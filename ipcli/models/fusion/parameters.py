@@ -42,9 +42,9 @@ METHODS = {
 class Confidence:
     """Hyper-parameters of the confidence L in (4.3), all relative to the noise scale of the observations.
 
-    The defaults make the prior worth 20 observations at the noise scale: a confidence from K observations alone varies by
-    1/sqrt(K) where the noise does not, which cost more than it gained on the development scenes. The thesis'
-    code takes shape 1.5 and rate 0.1, in the unit of the depth.
+    The defaults make the prior worth 20 observations at the noise scale: a confidence from K observations alone varies
+    by 1/sqrt(K) where the noise does not, which cost more than it gained on the development scenes. The thesis' code
+    takes shape 1.5 and rate 0.1, in the unit of the depth.
     """
 
     given: bool = option(True, "use the confidences that come with the views as weights", flag="--given-confidence")
@@ -58,11 +58,17 @@ class Confidence:
 
 @dataclass(frozen=True)
 class Edges:
-    """Where the regulariser lets the map jump: at the jumps of a first map, in the passes after it and order 2, and of the image."""
+    """Where the regulariser lets the map jump: at the jumps of a first map, in the passes after it and order 2, and of
+    the image.
+    """
 
-    gain: float = option(2.0, "weight of the first-order term away from jumps, times alpha1; 0: 1 everywhere, as in the thesis", low=0.0)
+    gain: float = option(
+        2.0, "weight of the first-order term away from jumps, times alpha1; 0: 1 everywhere, as in the thesis", low=0.0
+    )
     width: float = option(0.3, "jump that halves the weight, in noise scales over sqrt(K) for K observations", low=1e-6)
-    image: float = option(0.0, "change of the image in a pixel that halves the weight, of 255; 0: the image has no say", low=0.0)
+    image: float = option(
+        0.0, "change of the image in a pixel that halves the weight, of 255; 0: the image has no say", low=0.0
+    )
 
 
 @dataclass(frozen=True)
@@ -70,9 +76,14 @@ class Fusion:
     """Energy (4.3) and the algorithm that lowers it."""
 
     method: str = option("l1-adapt", "row of table 4.1", flag="--method", choices=tuple(METHODS))
-    algorithm: str = option("acs", "how an adaptive confidence is found", flag="--algorithm", choices=("acs", "ama", "biconvex"))
+    algorithm: str = option(
+        "acs", "how an adaptive confidence is found", flag="--algorithm", choices=("acs", "ama", "biconvex")
+    )
     lam: float | None = option(
-        None, "weight lambda of the data; more follows them, less smooths; if not given 1/sqrt(K), K views a pixel", flag="--lambda", low=0.0
+        None,
+        "weight lambda of the data; more follows them, less smooths; if not given 1/sqrt(K), K views a pixel",
+        flag="--lambda",
+        low=0.0,
     )
     rounds: int = option(4, "rounds of confidence and depth at the most", flag="--rounds", low=1)
     reassociate: int = option(
@@ -82,7 +93,11 @@ class Fusion:
         low=0,
     )
     tile: int | None = option(
-        None, "side of the tiles that are fused one by one, to bound memory; 0: one tile; if not given 1024 for large fusions", low=0, unit="px"
+        None,
+        "side of the tiles that are fused one by one, to bound memory; 0: one tile; if not given 1024 for large "
+        "fusions",
+        low=0,
+        unit="px",
     )
     huber: float = option(1.0, "width of the Huber deviation, in noise scales", low=1e-6)
     confidence: Confidence = field(default_factory=Confidence)
@@ -96,10 +111,20 @@ class Merge:
     """When several fused maps agree on a point, and how finely the points are told apart."""
 
     agree: int = option(2, "other maps that must see a point where it is", flag="--agree", low=0)
-    tolerance: float = option(0.5, "largest difference in depth, in noise scales of one observation", flag="--tolerance", low=0.0)
-    relative: float = option(0.005, "difference in depth that always counts as none, as a share of the depth", flag="--relative", low=0.0)
+    tolerance: float = option(
+        0.5, "largest difference in depth, in noise scales of one observation", flag="--tolerance", low=0.0
+    )
+    relative: float = option(
+        0.005, "difference in depth that always counts as none, as a share of the depth", flag="--relative", low=0.0
+    )
     angle: float = option(60.0, "largest angle between normals", flag="--angle", low=0.0, high=180.0, unit="degrees")
-    neighbours: int = option(16, "other maps to ask, those that look at the same place from near by", flag="--neighbours", low=1)
+    neighbours: int = option(
+        16, "other maps to ask, those that look at the same place from near by", flag="--neighbours", low=1
+    )
     spacing: float | None = option(
-        None, "side of the cells within which points are merged; if not given the median size of a pixel", flag="--spacing", low=0.0, unit="the unit"
+        None,
+        "side of the cells within which points are merged; if not given the median size of a pixel",
+        flag="--spacing",
+        low=0.0,
+        unit="the unit",
     )

@@ -15,12 +15,14 @@ from ipcli.models.fusion.observations import Normalised
 SMALLEST = 24  # pixels along the shorter side of the coarsest level
 
 
-def start(layers: np.ndarray | Normalised, lam: float, regulariser: Regulariser, solver: Solver, levels: int) -> tgv.Iterate:
+def start(
+    layers: np.ndarray | Normalised, lam: float, regulariser: Regulariser, solver: Solver, levels: int
+) -> tgv.Iterate:
     """An iterate (h, w) near the minimiser of TGV + lambda sum_k |x - d_k| for layers (K, h, w), NaN = nothing.
 
-    Solves at half the size and enlarges the solution; the coarsest level starts at the median. One pixel of half the size
-    stands for four and is twice as wide, so half the energy of the image is TGV with alpha0 halved plus twice lambda: the
-    duals p then carry over as they are and q doubled.
+    Solves at half the size and enlarges the solution; the coarsest level starts at the median. One pixel of half the
+    size stands for four and is twice as wide, so half the energy of the image is TGV with alpha0 halved plus twice
+    lambda: the duals p then carry over as they are and q doubled.
     """
     shape = layers.shape[1:]
     if levels == 1 or min(shape) < 2 * SMALLEST:
@@ -42,7 +44,9 @@ def filled_median(data: Observations) -> np.ndarray:
 
 
 def halved(layers: Sequence[np.ndarray]) -> np.ndarray:
-    """K layers (h, w) at half the size (K, h, w), the last odd row or column dropped: means of the up to four observations."""
+    """K layers (h, w) at half the size (K, h, w), the last odd row or column dropped: means of the up to four
+    observations.
+    """
     return np.stack([_halved(layers[k]) for k in range(len(layers))])
 
 
@@ -59,7 +63,9 @@ def _enlarged(coarse: tgv.Iterate, shape: tuple[int, int]) -> tgv.Iterate:
     import cv2
 
     def enlarge(planes: np.ndarray, factor: float) -> np.ndarray:
-        return np.float32(factor) * np.stack([cv2.resize(plane, shape[::-1], interpolation=cv2.INTER_LINEAR) for plane in planes])
+        return np.float32(factor) * np.stack(
+            [cv2.resize(plane, shape[::-1], interpolation=cv2.INTER_LINEAR) for plane in planes]
+        )
 
     p, q = enlarge(coarse.p, 1), enlarge(coarse.q, 2)
     p[0, :, -1] = p[1, -1] = q[0, :, 0] = q[1, 0] = q[2, 0] = q[2, :, 0] = 0  # differences that do not exist

@@ -25,8 +25,8 @@ class Layers:
 def reproject(view: View, reference: View) -> tuple[np.ndarray, np.ndarray | None]:
     """Depth (h, w) and given confidence (h, w) of a view, as seen from the reference camera; +inf where nothing lands.
 
-    Every valid pixel goes to the pixel of the reference camera that it is nearest to, and there the nearest surface wins. A
-    missing depth projects nowhere (in the thesis' code it became a false near point at the epipole).
+    Every valid pixel goes to the pixel of the reference camera that it is nearest to, and there the nearest surface
+    wins. A missing depth projects nowhere (in the thesis' code it became a false near point at the epipole).
     """
     from ipcli.kernels import reproject as kernels
 
@@ -34,17 +34,25 @@ def reproject(view: View, reference: View) -> tuple[np.ndarray, np.ndarray | Non
     depth = np.full(shape, np.inf, np.float32)
     source = np.zeros(shape, np.intp)
     motion = relative(reference, view)
-    if view.depth.shape == shape and np.array_equal(motion, np.eye(4)) and np.array_equal(view.intrinsics, reference.intrinsics):
+    if (
+        view.depth.shape == shape
+        and np.array_equal(motion, np.eye(4))
+        and np.array_equal(view.intrinsics, reference.intrinsics)
+    ):
         return np.where(view.depth > 0, view.depth, np.inf).astype(np.float32), view.confidence
     rotation, translation = np.ascontiguousarray(motion[:3, :3]), np.ascontiguousarray(motion[:3, 3])
-    kernels.splat(depth, source, view.depth, np.linalg.inv(view.intrinsics), rotation, translation, reference.intrinsics)
+    kernels.splat(
+        depth, source, view.depth, np.linalg.inv(view.intrinsics), rotation, translation, reference.intrinsics
+    )
     if view.confidence is None:
         return depth, None
     return depth, np.where(np.isfinite(depth), view.confidence.ravel()[source], 0).astype(np.float32)
 
 
 def reproject_all(views: Sequence[View], reference: View) -> Layers:
-    """All views in the reference camera; a view without given confidence counts as confidence 1 beside others that have one."""
+    """All views in the reference camera; a view without given confidence counts as confidence 1 beside others that have
+    one.
+    """
     from ipcli.kernels import threads
 
     depth = np.empty((len(views), *reference.depth.shape), np.float32)
@@ -56,4 +64,7 @@ def reproject_all(views: Sequence[View], reference: View) -> Layers:
     given = threads.each(one, range(len(views)))
     if all(c is None for c in given):
         return Layers(depth, None)
-    return Layers(depth, np.stack([np.isfinite(d).astype(np.float32) if c is None else c for d, c in zip(depth, given, strict=True)]))
+    return Layers(
+        depth,
+        np.stack([np.isfinite(d).astype(np.float32) if c is None else c for d, c in zip(depth, given, strict=True)]),
+    )

@@ -1,7 +1,9 @@
-"""The fusion of a large map tile by tile: memory is then that of one tile's observations, one view a thread and the map.
+"""The fusion of a large map tile by tile: memory is then that of one tile's observations, one view a thread and the
+map.
 
-A tile is fused with a margin that is thrown away. The noise scale and lambda are those of the whole map, from windows spread over
-it. What the data of a pixel say dies away within some ten pixels; only holes wider than the margin may be filled otherwise.
+A tile is fused with a margin that is thrown away. The noise scale and lambda are those of the whole map, from windows
+spread over it. What the data of a pixel say dies away within some ten pixels; only holes wider than the margin may be
+filled otherwise.
 """
 
 from __future__ import annotations
@@ -89,7 +91,9 @@ def fuse_in_tiles(
         inner = window.within(wide)
         for name in ("depth", "confidence", "uncertainty", "normals", "observations", "mean", "median"):
             window.of(getattr(whole, name))[:] = inner.of(getattr(part, name))
-        kept = part.layers[:, inner.rows.start : inner.rows.stop : EVERY, inner.columns.start : inner.columns.stop : EVERY]
+        kept = part.layers[
+            :, inner.rows.start : inner.rows.stop : EVERY, inner.columns.start : inner.columns.stop : EVERY
+        ]
         top, left = window.rows.start // EVERY, window.columns.start // EVERY
         whole.layers[:, top : top + kept.shape[1], left : left + kept.shape[2]] = kept
         if len(part.history) and (not len(whole.history) or part.history[-1, 3] > whole.history[-1, 3]):
@@ -111,20 +115,36 @@ def empty(k: int, shape: tuple[int, int], scale: Scale) -> Fused:
 
     kept = np.full((k, *(-(-n // EVERY) for n in shape)), np.nan, np.float32)
     return Fused(
-        nothing(), np.zeros(shape, np.float32), nothing(), np.full((*shape, 3), np.nan, np.float32), np.zeros(shape, np.uint16),
-        nothing(), nothing(),
-        kept, scale.lam, scale.units.scale, np.empty((0, 5)), EVERY,
-    )  # fmt: skip
+        nothing(),
+        np.zeros(shape, np.float32),
+        nothing(),
+        np.full((*shape, 3), np.nan, np.float32),
+        np.zeros(shape, np.uint16),
+        nothing(),
+        nothing(),
+        kept,
+        scale.lam,
+        scale.units.scale,
+        np.empty((0, 5)),
+        EVERY,
+    )
 
 
 def survey(views: Sequence[View], reference: View, fusion: Fusion, side: int, *, inverse: bool) -> list[Scale]:
-    """The scale of each pass, from windows spread over the map, or from the first tile that sees anything if they do not."""
+    """The scale of each pass, from windows spread over the map, or from the first tile that sees anything if they do
+    not.
+    """
     shape = reference.depth.shape
     corners = [sorted({(n - min(WINDOW, n)) * i // (WINDOWS - 1) for i in range(WINDOWS)}) for n in shape]
-    spread = [Window(*(slice(at, at + min(WINDOW, n)) for at, n in zip(corner, shape, strict=True))) for corner in product(*corners)]
+    spread = [
+        Window(*(slice(at, at + min(WINDOW, n)) for at, n in zip(corner, shape, strict=True)))
+        for corner in product(*corners)
+    ]
     seen = list(_seen(views, reference, spread)) or list(islice(_seen(views, reference, tiles(shape, side)), 1))
     if not seen:
-        raise NoSolution("no view has a valid depth inside the reference view: check the poses, their direction and the unit")
+        raise NoSolution(
+            "no view has a valid depth inside the reference view: check the poses, their direction and the unit"
+        )
     scales, now = [], [layers for _, layers in seen]
     for done in range(passes_after_first(fusion) + 1):
         if done:
@@ -153,4 +173,6 @@ def _scale(windows: Sequence[Layers], fusion: Fusion, inverse: bool) -> Scale:
     units = measure(depth, weights, inverse=inverse)
     if fusion.lam is not None:
         return Scale(units, fusion.lam)
-    return Scale(units, balanced_lambda(Observations.of(Normalised(units, depth, weights), weights), METHODS[fusion.method]))
+    return Scale(
+        units, balanced_lambda(Observations.of(Normalised(units, depth, weights), weights), METHODS[fusion.method])
+    )

@@ -1,7 +1,7 @@
 """Recognition of actions by the behaviours of the body's parts (thesis chapter 5).
 
-In reading order: `parameters` (what can be chosen), `features` (Algorithms 5.1 and 5.2, and what carries over to other people),
-`projection` (the coordinates the mixtures live in), `behaviours` (a Dirichlet process mixture for each action and group, 5.8 and 5.9),
-`preferences` (5.12), `recognition` (5.10, 5.11: frames, clips, handfuls of frames, windows, "none of these"), `splits` (who is
-learnt from, who is asked).
+In reading order: `parameters` (what can be chosen), `features` (Algorithms 5.1 and 5.2, and what carries over to other
+people), `projection` (the coordinates the mixtures live in), `behaviours` (a Dirichlet process mixture for each action
+and group, 5.8 and 5.9), `preferences` (5.12), `recognition` (5.10, 5.11: frames, clips, handfuls of frames, windows,
+"none of these"), `splits` (who is learnt from, who is asked).
 """

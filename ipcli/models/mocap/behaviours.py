@@ -1,9 +1,10 @@
-"""The behaviours of an action in a group: the components of a Dirichlet process mixture of the group's features (5.8, 5.9).
+"""The behaviours of an action in a group: the components of a Dirichlet process mixture of the group's features (5.8,
+5.9).
 
-    chosen = draw_frames(actions, len(classes), settings, rng)             # at most 800 frames of each action
-    points = {group: Points(...)}                                          # their coordinates
-    fitted = {(action, group): learn(...)}                                 # each by itself: in any order, anywhere
-    model = assemble(...)
+chosen = draw_frames(actions, len(classes), settings, rng)             # at most 800 frames of each action
+points = {group: Points(...)}                                          # their coordinates
+fitted = {(action, group): learn(...)}                                 # each by itself: in any order, anywhere
+model = assemble(...)
 """
 
 from __future__ import annotations
@@ -48,7 +49,8 @@ def with_body(features: Mapping[str, np.ndarray], is_wanted: bool) -> dict[str, 
 
 
 def draw_frames(actions: np.ndarray, count: int, settings: Learning, rng: np.random.Generator) -> np.ndarray:
-    """Indices, ascending, of at most `settings.frames` of the frames of each of `count` actions; actions (n,) int, -1: not to learn.
+    """Indices, ascending, of at most `settings.frames` of the frames of each of `count` actions; actions (n,) int, -1:
+    not to learn.
 
     Raises ParameterError for an action with hardly a frame.
     """
@@ -56,18 +58,27 @@ def draw_frames(actions: np.ndarray, count: int, settings: Learning, rng: np.ran
     for action in range(count):
         rows = np.flatnonzero(actions == action)
         if len(rows) < LEAST_FRAMES:
-            raise ParameterError(f"action number {action} has {len(rows)} frames to learn from: give at least {LEAST_FRAMES}, or leave it out")
+            raise ParameterError(
+                f"action number {action} has {len(rows)} frames to learn from: give at least {LEAST_FRAMES}, or leave "
+                "it out"
+            )
         chosen.append(rng.permutation(rows)[: settings.frames])
     return np.sort(np.concatenate(chosen))
 
 
-def fit_projections(features: Mapping[str, np.ndarray], actions: np.ndarray, settings: Learning) -> dict[str, Projection]:
-    """The coordinates of each group, from features (n, D) of frames of actions (n,) int; frames with NaN in a group are left out of it."""
+def fit_projections(
+    features: Mapping[str, np.ndarray], actions: np.ndarray, settings: Learning
+) -> dict[str, Projection]:
+    """The coordinates of each group, from features (n, D) of frames of actions (n,) int; frames with NaN in a group are
+    left out of it.
+    """
     found = {}
     for group, x in features.items():
         seen = np.isfinite(x).all(axis=1) & (actions >= 0)
         if not seen.any():
-            raise ParameterError(f"group '{group}' is seen whole in no frame. Leave its missing joints out of the groups file")
+            raise ParameterError(
+                f"group '{group}' is seen whole in no frame. Leave its missing joints out of the groups file"
+            )
         found[group] = projection.fit(x[seen], actions[seen], group, settings.features)
     return found
 
@@ -82,23 +93,29 @@ def learn(
 ) -> Fitted:
     """The mixture of coordinates x (n, d) of one action in one group, rows with NaN left out.
 
-    The hyperpriors measure by the coordinates' own unit about the action's mean, so that an action with few frames has a sound prior.
-    `state` and `watch` are those of `mixture.fit`. Raises ParameterError when the group is hardly seen.
+    The hyperpriors measure by the coordinates' own unit about the action's mean, so that an action with few frames has
+    a sound prior. `state` and `watch` are those of `mixture.fit`. Raises ParameterError when the group is hardly seen.
     """
     x = x[np.isfinite(x).all(axis=1)]
     if len(x) < LEAST_FRAMES:
-        raise ParameterError(f"{len(x)} frames show the whole group: give at least {LEAST_FRAMES}, or leave the action or the group out")
+        raise ParameterError(
+            f"{len(x)} frames show the whole group: give at least {LEAST_FRAMES}, or leave the action or the group out"
+        )
     return mixture.fit(
         x, settings.mixture, rng, mean=x.mean(axis=0), covariance=np.eye(x.shape[1]), state=state, watch=watch
     )
 
 
 def of_others(predictive: Predictive, spread: float) -> Predictive:
-    """The density for a person not learnt from: each component convolved with N(0, spread I), the offset of a person from others."""
+    """The density for a person not learnt from: each component convolved with N(0, spread I), the offset of a person
+    from others.
+    """
     if spread == 0:
         return predictive
     scale = predictive.chol @ np.swapaxes(predictive.chol, 1, 2) + spread * np.eye(predictive.location.shape[1])
-    return Predictive(predictive.log_weight, predictive.dof, predictive.location, np.linalg.cholesky(scale), predictive.draw)
+    return Predictive(
+        predictive.log_weight, predictive.dof, predictive.location, np.linalg.cholesky(scale), predictive.draw
+    )
 
 
 def concentration(fitted: Fitted, settings: Learning) -> float:
@@ -107,7 +124,10 @@ def concentration(fitted: Fitted, settings: Learning) -> float:
 
 
 def assemble(
-    actions: tuple[str, ...], projections: Mapping[str, Projection], fitted: Mapping[tuple[int, str], Fitted], settings: Learning
+    actions: tuple[str, ...],
+    projections: Mapping[str, Projection],
+    fitted: Mapping[tuple[int, str], Fitted],
+    settings: Learning,
 ) -> Model:
     """A model of what was learnt; `fitted` by number of the action and name of the group."""
     groups = tuple(projections)
@@ -116,15 +136,23 @@ def assemble(
         actions,
         groups,
         tuple(projections.values()),
-        tuple(tuple(of_others(cell.predictive.thinned(settings.draws), settings.spread) for cell in row) for row in cells),
+        tuple(
+            tuple(of_others(cell.predictive.thinned(settings.draws), settings.spread) for cell in row) for row in cells
+        ),
         np.array([[concentration(cell, settings) for cell in row] for row in cells]),
     )
 
 
 def train(
-    features: Mapping[str, np.ndarray], actions: np.ndarray, names: tuple[str, ...], settings: Learning, rng: np.random.Generator
+    features: Mapping[str, np.ndarray],
+    actions: np.ndarray,
+    names: tuple[str, ...],
+    settings: Learning,
+    rng: np.random.Generator,
 ) -> Model:
-    """A model from features (n, D) of each group and actions (n,) int, indices of `names`, -1 where a frame is not to be learnt."""
+    """A model from features (n, D) of each group and actions (n,) int, indices of `names`, -1 where a frame is not to
+    be learnt.
+    """
     rows = draw_frames(actions, len(names), settings, rng)
     chosen = {group: x[rows] for group, x in with_body(features, settings.features.body).items()}
     projections = fit_projections(chosen, actions[rows], settings)
@@ -137,7 +165,9 @@ def train(
 
 
 def arrays(model: Model) -> dict[str, np.ndarray]:
-    """The model as flat arrays; `of_arrays` is the inverse. Components of all cells stand one after the other, padded to the widest."""
+    """The model as flat arrays; `of_arrays` is the inverse. Components of all cells stand one after the other, padded
+    to the widest.
+    """
     cells = [(a, g) for a in range(len(model.actions)) for g in range(len(model.groups))]
     parts = [model.predictives[a][g] for a, g in cells]
     counts = [len(part.dof) for part in parts]
@@ -163,7 +193,9 @@ def of_arrays(arrays: Mapping[str, Any]) -> Model:
     """The model that `arrays` describes."""
     actions, groups = (tuple(map(str, arrays[name])) for name in ("actions", "groups"))
     sizes = list(zip(arrays["features"], arrays["dimensions"], strict=True))
-    projections = [Projection(arrays["shift"][g, :full], arrays["matrix"][g, :full, :d]) for g, (full, d) in enumerate(sizes)]
+    projections = [
+        Projection(arrays["shift"][g, :full], arrays["matrix"][g, :full, :d]) for g, (full, d) in enumerate(sizes)
+    ]
 
     def cell(action: int, group: int) -> Predictive:
         rows, d = (arrays["component_action"] == action) & (arrays["component_group"] == group), sizes[group][1]

@@ -1,13 +1,16 @@
-"""What is measured of a group of joints in a frame: principal geodesic analysis over the joints of the group (Algorithms 5.1, 5.2).
+"""What is measured of a group of joints in a frame: principal geodesic analysis over the joints of the group
+(Algorithms 5.1, 5.2).
 
-`thesis`: seven numbers from the first principal direction, in the group's own mean frame, on the actor's own skeleton. `aligned`
-(the default): the group's mean position and its first principal direction, scaled by its standard deviation, in a frame that has its
-origin at the root and faces where the body faces, on a common skeleton of height 1. Each frame by itself: order plays no part. One
-further group, which can be left out, has how all of this changes about a frame; with it a frame still stands for itself.
+`thesis`: seven numbers from the first principal direction, in the group's own mean frame, on the actor's own skeleton.
+`aligned` (the default): the group's mean position and its first principal direction, scaled by its standard deviation,
+in a frame that has its origin at the root and faces where the body faces, on a common skeleton of height 1. Each frame
+by itself: order plays no part. One further group, which can be left out, has how all of this changes about a frame;
+with it a frame still stands for itself.
 
-The printed features do not carry over to other people. The twist in the group's own mean frame does not see any motion of the whole
-group (a straight arm raised is a straight arm lowered); the bones' lengths tell who it is; and seven numbers that a unit vector of
-R^6 determines have a singular covariance. What each step repairs is measured in docs/mocap-train.md.
+The printed features do not carry over to other people. The twist in the group's own mean frame does not see any motion
+of the whole group (a straight arm raised is a straight arm lowered); the bones' lengths tell who it is; and seven
+numbers that a unit vector of R^6 determines have a singular covariance. What each step repairs is measured in
+docs/mocap-train.md.
 """
 
 from __future__ import annotations
@@ -27,8 +30,9 @@ from ipcli.models.mocap.parameters import MOTION, Features
 def of_motion(motion: Motion, groups: Groups, lengths: np.ndarray, settings: Features) -> dict[str, np.ndarray]:
     """Features (f, d) float64 of each group by name, in each frame; NaN where a joint that they need was not seen.
 
-    `lengths` (j,) are the bones of the common skeleton, as `reference_lengths` gives them. Aligned ones come with the group MOTION
-    unless `settings.motion` is 0. Raises ParameterError for a joint that the skeleton lacks, or a body without height.
+    `lengths` (j,) are the bones of the common skeleton, as `reference_lengths` gives them. Aligned ones come with the
+    group MOTION unless `settings.motion` is 0. Raises ParameterError for a joint that the skeleton lacks, or a body
+    without height.
     """
     parts = groups.indices(motion.skeleton)
     if settings.kind == "thesis":
@@ -40,7 +44,9 @@ def of_motion(motion: Motion, groups: Groups, lengths: np.ndarray, settings: Fea
 
 
 def reference_lengths(motions: Sequence[Motion], groups: Groups) -> np.ndarray:
-    """Bone lengths (j,) of a common skeleton of height 1: the median over the motions, each divided by the height of its body."""
+    """Bone lengths (j,) of a common skeleton of height 1: the median over the motions, each divided by the height of
+    its body.
+    """
     return np.nanmedian([bone_lengths(motion) / height(motion, groups) for motion in motions], axis=0)
 
 
@@ -49,16 +55,19 @@ def height(motion: Motion, groups: Groups) -> float:
     found = body_height(motion, groups)
     if not found > 0:
         raise ParameterError(
-            f"the body has no height between '{groups.top}' and {', '.join(groups.bottom)}: their bones are never seen or of length 0. "
+            f"the body has no height between '{groups.top}' and {', '.join(groups.bottom)}: their bones are never seen "
+            "or of length 0. "
             f"Name other joints in {groups.source}"
         )
     return found
 
 
 def repose(motion: Motion, groups: Groups, lengths: np.ndarray) -> np.ndarray:
-    """Positions (f, j, 3) of the same pose on the common skeleton of height 1, from the root, x left, y up, z where the body faces.
+    """Positions (f, j, 3) of the same pose on the common skeleton of height 1, from the root, x left, y up, z where the
+    body faces.
 
-    Each bone keeps its direction and takes the length of the reference. NaN from the first bone outwards whose direction is not known.
+    Each bone keeps its direction and takes the length of the reference. NaN from the first bone outwards whose
+    direction is not known.
     """
     skeleton, positions = motion.skeleton, motion.positions
     away = 1 / height(motion, groups)
@@ -68,7 +77,9 @@ def repose(motion: Motion, groups: Groups, lengths: np.ndarray) -> np.ndarray:
         if parent == NO_PARENT:
             posed[:, joint] = positions[:, joint] * away
         else:
-            posed[:, joint] = posed[:, parent] + lengths[joint] * _direction(positions[:, joint] - positions[:, parent], lengths[joint])
+            posed[:, joint] = posed[:, parent] + lengths[joint] * _direction(
+                positions[:, joint] - positions[:, parent], lengths[joint]
+            )
     root = skeleton.indices([groups.root], groups.source)
     return (posed - posed[:, root]) @ heading(replace(motion, positions=posed), groups)
 
@@ -82,10 +93,12 @@ def _direction(bone: np.ndarray, length: float) -> np.ndarray:
 
 
 def principal_directions(twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Variances (..., k), largest first, and unit directions (..., k, k) as rows, of the twists (..., h, k) of h joints (Algorithm 5.1).
+    """Variances (..., k), largest first, and unit directions (..., k, k) as rows, of the twists (..., h, k) of h joints
+    (Algorithm 5.1).
 
-    Twists at the mean sum to zero, so at most h - 1 variances differ from 0. A direction's sign is open in the thesis; here the most
-    distal joint, the last one, is on its positive side. Zero or equal variances leave directions open still. NaN where a twist has NaN.
+    Twists at the mean sum to zero, so at most h - 1 variances differ from 0. A direction's sign is open in the thesis;
+    here the most distal joint, the last one, is on its positive side. Zero or equal variances leave directions open
+    still. NaN where a twist has NaN.
     """
     known = np.isfinite(twists).all(axis=(-2, -1))
     filled = np.where(known[..., None, None], twists, 0.0)
@@ -98,12 +111,17 @@ def principal_directions(twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _thesis(motion: Motion, groups: Groups, parts: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """(f, 7) of each group (Algorithm 5.2): rotation vector and translation of the screw exp e, norm of e's linear part.
+    """(f, 7) of each group (Algorithm 5.2): rotation vector and translation of the screw exp e, norm of e's linear
+    part.
 
-    Of the rotation the thesis takes Euler angles; the rotation vector is the same three numbers without their jumps. Translations are
-    in body heights: of radians and lengths the unit decides which of them e follows.
+    Of the rotation the thesis takes Euler angles; the rotation vector is the same three numbers without their jumps.
+    Translations are in body heights: of radians and lengths the unit decides which of them e follows.
     """
-    rotations = motion.rotations if motion.rotations is not None else rotations_from_positions(motion.skeleton, motion.positions)
+    rotations = (
+        motion.rotations
+        if motion.rotations is not None
+        else rotations_from_positions(motion.skeleton, motion.positions)
+    )
     positions = motion.positions / height(motion, groups)
     return {part: _screw(rotations[:, joints], positions[:, joints]) for part, joints in parts.items()}
 
@@ -123,7 +141,11 @@ def _aligned(
     posed = repose(motion, groups, lengths)
     turned = None
     if weight > 0:
-        rotations = motion.rotations if motion.rotations is not None else rotations_from_positions(motion.skeleton, motion.positions)
+        rotations = (
+            motion.rotations
+            if motion.rotations is not None
+            else rotations_from_positions(motion.skeleton, motion.positions)
+        )
         turned = np.swapaxes(heading(motion, groups), -1, -2)[:, None] @ rotations
     found = {}
     for part, joints in parts.items():
@@ -140,8 +162,8 @@ def _aligned(
 def _changes(motion: Motion, groups: Groups, features: np.ndarray, reach: float) -> np.ndarray:
     """Change (f, D + 4) a second, from `reach` seconds before a frame to as long after, or to an end of the motion.
 
-    Of the features (f, D), of the root's place in heights and of where the body faces, both seen from the frame. NaN where one of
-    the two is not known, or the motion is one frame.
+    Of the features (f, D), of the root's place in heights and of where the body faces, both seen from the frame. NaN
+    where one of the two is not known, or the motion is one frame.
     """
     frames = np.arange(len(features))
     step = max(round(reach * motion.rate), 1)
@@ -154,6 +176,8 @@ def _changes(motion: Motion, groups: Groups, features: np.ndarray, reach: float)
 
 
 def _turns(rotations: np.ndarray) -> np.ndarray:
-    """Rotation vectors (f, h, 3) from the Karcher mean to each rotation, in the frame that the rotations are given in."""
+    """Rotation vectors (f, h, 3) from the Karcher mean to each rotation, in the frame that the rotations are
+    given in.
+    """
     mean = lie.karcher_mean(rotations)[:, None]
     return (mean @ lie.log(np.swapaxes(mean, -1, -2) @ rotations)[..., None])[..., 0]

@@ -1,4 +1,6 @@
-"""What can be chosen about learning and recognising actions, declared once for flags, configuration files and provenance."""
+"""What can be chosen about learning and recognising actions, declared once for flags, configuration files and
+provenance.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +18,14 @@ class Features:
     """What is measured of a group of joints in a frame, and the coordinates that the mixtures live in."""
 
     kind: str = option(
-        "aligned", "aligned: carries over to other people; thesis: as printed", flag="--features", choices=("aligned", "thesis")
+        "aligned",
+        "aligned: carries over to other people; thesis: as printed",
+        flag="--features",
+        choices=("aligned", "thesis"),
     )
-    rotation_weight: float = option(0.0, "length that a turn by one radian counts as (aligned); 0: positions alone", low=0.0, unit="heights")
+    rotation_weight: float = option(
+        0.0, "length that a turn by one radian counts as (aligned); 0: positions alone", low=0.0, unit="heights"
+    )
     body: bool = option(True, "a group more: all groups together")
     motion: float = option(
         0.2,
@@ -27,7 +34,9 @@ class Features:
         low=0.0,
         unit="s",
     )
-    projection: str = option("within", "coordinates: within (an action's spread is the unit) or standard", choices=("within", "standard"))
+    projection: str = option(
+        "within", "coordinates: within (an action's spread is the unit) or standard", choices=("within", "standard")
+    )
     shrinkage: float = option(0.2, "share of a sphere in an action's spread (within)", low=0.0, high=1.0)
     dimensions: int = option(8, "most dimensions of a group (within)", low=1)
     body_dimensions: int = option(20, "most dimensions of the groups of all groups and of motion (within)", low=1)
@@ -39,10 +48,15 @@ class Learning:
 
     frames: int = option(800, "most frames of an action that are learnt from, drawn at random", flag="--frames", low=1)
     mirror: bool = option(
-        False, "learn the mirror image of every clip as well: for actions that are the same by either hand", flag="--mirror"
+        False,
+        "learn the mirror image of every clip as well: for actions that are the same by either hand",
+        flag="--mirror",
     )
     spread: float = option(
-        0.3, "variance by which other people differ from those learnt from, in the units of the coordinates", flag="--spread", low=0.0
+        0.3,
+        "variance by which other people differ from those learnt from, in the units of the coordinates",
+        flag="--spread",
+        low=0.0,
     )
     draws: int = option(2, "draws of the sampler that a prediction averages, at most", low=1)
     features: Features = field(default_factory=Features)
@@ -55,7 +69,8 @@ class Decision:
 
     rule: str = option(
         "product",
-        "product: groups count as independent, but for a power; mean: of the groups' posteriors; preferences: W of (5.12)",
+        "product: groups count as independent, but for a power; mean: of the groups' posteriors; preferences: W of "
+        "(5.12)",
         flag="--rule",
         choices=("product", "mean", "preferences"),
     )
@@ -65,4 +80,6 @@ class Decision:
     preference: str = option("corrected", "normaliser of (5.12)", choices=("corrected", "printed"))
     prior_successes: float = option(1.0, "kappa of (5.12), of every group", low=0.0)
     evidence: float = option(2.0, "independent frames that a clip counts as, at most; neighbours say the same", low=1.0)
-    reject: float = option(0.99, "share of the clips learnt from that must be named rather than called none", low=0.0, high=1.0)
+    reject: float = option(
+        0.99, "share of the clips learnt from that must be named rather than called none", low=0.0, high=1.0
+    )

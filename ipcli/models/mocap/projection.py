@@ -1,4 +1,6 @@
-"""Coordinates that the mixtures live in: those where the spread of an action is the unit, and only what tells actions apart is kept."""
+"""Coordinates that the mixtures live in: those where the spread of an action is the unit, and only what tells actions
+apart is kept.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ def fit(x: np.ndarray, actions: np.ndarray, group: str, settings: Features) -> P
     """The projection for features x (n, D), finite, of actions (n,) int."""
     if settings.projection == "standard":
         return _standard(x)
-    return _within(x, actions, settings.shrinkage, settings.body_dimensions if group in (BODY, MOTION) else settings.dimensions)
+    return _within(
+        x, actions, settings.shrinkage, settings.body_dimensions if group in (BODY, MOTION) else settings.dimensions
+    )
 
 
 def _standard(x: np.ndarray) -> Projection:
@@ -36,10 +40,14 @@ def _standard(x: np.ndarray) -> Projection:
 
 
 def _within(x: np.ndarray, actions: np.ndarray, shrinkage: float, dimensions: int) -> Projection:
-    """Whitens the covariance within an action, mean over the actions and shrunk towards a sphere, then turns to principal axes."""
+    """Whitens the covariance within an action, mean over the actions and shrunk towards a sphere, then turns to
+    principal axes.
+    """
     within = np.mean([np.atleast_2d(np.cov(x[actions == a].T, bias=True)) for a in np.unique(actions)], axis=0)
     sphere = np.trace(within) / len(within) or 1.0
-    white = np.linalg.inv(np.linalg.cholesky((1 - shrinkage) * within + (shrinkage + LEAST_SPREAD) * sphere * np.eye(len(within)))).T
+    white = np.linalg.inv(
+        np.linalg.cholesky((1 - shrinkage) * within + (shrinkage + LEAST_SPREAD) * sphere * np.eye(len(within)))
+    ).T
     shift = x.mean(axis=0)
     _, spread, axes = np.linalg.svd((x - shift) @ white, full_matrices=False)
     kept = max(int((spread[:dimensions] > LEAST_SPREAD * spread[0]).sum()), 1)

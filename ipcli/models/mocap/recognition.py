@@ -29,11 +29,15 @@ class Answer:
 def log_densities(model: Model, features: Mapping[str, np.ndarray]) -> np.ndarray:
     """log p(features of group | action) (f, a, g) in each frame (5.10); NaN where a group was not seen.
 
-    `features` (f, D) by name of group, as `features.of_motion` gives them. Raises ParameterError for a group that is not there.
+    `features` (f, D) by name of group, as `features.of_motion` gives them. Raises ParameterError for a group that is
+    not there.
     """
     whole = with_body(features, BODY in model.groups)
     if missing := [group for group in model.groups if group not in whole]:
-        raise ParameterError(f"the model asks for group '{missing[0]}', the features have {', '.join(features)}. Give the groups file it was made with")
+        raise ParameterError(
+            f"the model asks for group '{missing[0]}', the features have {', '.join(features)}. Give the groups file "
+            "it was made with"
+        )
     found = np.full((len(next(iter(whole.values()))), len(model.actions), len(model.groups)), np.nan)
     for g, (group, project) in enumerate(zip(model.groups, model.projections, strict=True)):
         seen = np.flatnonzero(np.isfinite(whole[group]).all(axis=1))
@@ -50,7 +54,9 @@ def poses_alone(model: Model, log_density: np.ndarray) -> np.ndarray:
 
 
 def group_posteriors(log_density: np.ndarray) -> np.ndarray:
-    """log posterior (f, a, g) of the actions by each group alone, all actions equally likely before; NaN where not seen."""
+    """log posterior (f, a, g) of the actions by each group alone, all actions equally likely before; NaN where not
+    seen.
+    """
     from scipy.special import logsumexp
 
     return log_density - logsumexp(log_density, axis=1, keepdims=True)
@@ -59,8 +65,8 @@ def group_posteriors(log_density: np.ndarray) -> np.ndarray:
 def frame_posteriors(model: Model, log_density: np.ndarray, decision: Decision) -> np.ndarray:
     """log posterior (f, a) of the actions in each frame, from log densities (f, a, g); NaN where no group was seen.
 
-    Groups that were not seen are left out. `preferences` mixes the groups' normalised posteriors by W of (5.12): of bare densities, as
-    the thesis writes W'F, the group with the sharpest would decide alone.
+    Groups that were not seen are left out. `preferences` mixes the groups' normalised posteriors by W of (5.12): of
+    bare densities, as the thesis writes W'F, the group with the sharpest would decide alone.
     """
     from scipy.special import logsumexp
 
@@ -84,7 +90,10 @@ def preference(model: Model, decision: Decision) -> np.ndarray:
     bad = ~(np.isfinite(weights) & (weights >= 0)).all(axis=1)
     if bad.any():
         name = model.actions[int(bad.argmax())]
-        raise ParameterError(f"(5.12) as printed gives no weights for '{name}': its denominator or a success is not positive. Take the corrected form")
+        raise ParameterError(
+            f"(5.12) as printed gives no weights for '{name}': its denominator or a success is not positive. Take the "
+            "corrected form"
+        )
     return weights
 
 
@@ -94,7 +103,9 @@ def _powers(groups: tuple[str, ...], decision: Decision) -> np.ndarray:
 
 
 def surprises(model: Model, log_density: np.ndarray, decision: Decision) -> np.ndarray:
-    """How unlike each action each pose is, (f, a): minus the log density of a dimension, the mean over the groups seen but MOTION."""
+    """How unlike each action each pose is, (f, a): minus the log density of a dimension, the mean over the groups seen
+    but MOTION.
+    """
     seen = np.isfinite(poses_alone(model, log_density)).all(axis=1)
     size = np.array([project.matrix.shape[1] for project in model.projections])
     total = -np.where(seen[:, None], log_density, 0.0).sum(axis=2)
@@ -103,13 +114,19 @@ def surprises(model: Model, log_density: np.ndarray, decision: Decision) -> np.n
 
 
 def answer(
-    posterior: np.ndarray, surprise: np.ndarray, query: np.ndarray, queries: int, decision: Decision, threshold: float = np.inf
+    posterior: np.ndarray,
+    surprise: np.ndarray,
+    query: np.ndarray,
+    queries: int,
+    decision: Decision,
+    threshold: float = np.inf,
 ) -> Answer:
-    """What each query shows, from the frames' log posteriors (f, a) and surprises (f, a); query (f,) int, the query of each frame.
+    """What each query shows, from the frames' log posteriors (f, a) and surprises (f, a); query (f,) int, the query of
+    each frame.
 
-    The mean log posterior of the frames that could be used counts as much as `decision.evidence` independent frames, or as their
-    number if that is less. In which order they come makes no difference. A query is NONE if its surprise is above `threshold`, or
-    nothing of it could be used.
+    The mean log posterior of the frames that could be used counts as much as `decision.evidence` independent frames, or
+    as their number if that is less. In which order they come makes no difference. A query is NONE if its surprise is
+    above `threshold`, or nothing of it could be used.
     """
     from scipy.special import softmax
 
@@ -129,7 +146,9 @@ def _means(values: np.ndarray, query: np.ndarray, queries: int, frames: np.ndarr
 
 
 def threshold(surprise: np.ndarray, decision: Decision) -> float:
-    """The surprise above which a query is none of the actions: the quantile `decision.reject` of those of clips that were actions."""
+    """The surprise above which a query is none of the actions: the quantile `decision.reject` of those of clips that
+    were actions.
+    """
     known = surprise[np.isfinite(surprise)]
     return float(np.quantile(known, decision.reject)) if len(known) and decision.reject < 1 else np.inf
 

@@ -1,7 +1,8 @@
-"""Who is learnt from and who is asked. Which of these a figure belongs to decides what it says, so it is never left out.
+"""Who is learnt from and who is asked. Which of these a figure belongs to decides what it says, so it is never left
+out.
 
-Frames of a take lie 8 ms apart. The thesis draws its training frames at random, which puts neighbours on both sides: a near-copy of
-every question has been learnt. Other clips of the same people are easier than other people.
+Frames of a take lie 8 ms apart. The thesis draws its training frames at random, which puts neighbours on both sides: a
+near-copy of every question has been learnt. Other clips of the same people are easier than other people.
 """
 
 from __future__ import annotations
@@ -46,8 +47,8 @@ def make(
 ) -> list[Split]:
     """The splits of a kind, one of KINDS.
 
-    `test`: the actors to ask about, of kind `actors`. `published`: entries (c,) 1 train, 2 test, 0 neither, by name. Raises
-    ParameterError for an unknown kind or actor, or when a split has nothing on one side.
+    `test`: the actors to ask about, of kind `actors`. `published`: entries (c,) 1 train, 2 test, 0 neither, by name.
+    Raises ParameterError for an unknown kind or actor, or when a split has nothing on one side.
     """
     if kind not in KINDS:
         raise ParameterError(f"unknown split '{kind}'{nearest(kind, KINDS)} Known: {', '.join(KINDS)}")
@@ -62,7 +63,10 @@ def make(
     for split in found:
         if not (split.train.any() and split.test.any()):
             side = "test on" if split.train.any() else "train on"
-            raise ParameterError(f"split '{split.name}' ({kind}) has nothing to {side}. Choose another kind, or give more clips or actors")
+            raise ParameterError(
+                f"split '{split.name}' ({kind}) has nothing to {side}. Choose another kind, or give more clips or "
+                "actors"
+            )
     return found
 
 
@@ -97,12 +101,18 @@ def actors(frames: Frames, test: Sequence[str]) -> Split:
 
 def leave_one_actor_out(frames: Frames) -> list[Split]:
     """Each actor in turn is asked, all others are learnt from."""
-    return [_of_clips(f"test on {name}", frames, frames.actor != name, frames.actor == name) for name in np.unique(frames.actor)]
+    return [
+        _of_clips(f"test on {name}", frames, frames.actor != name, frames.actor == name)
+        for name in np.unique(frames.actor)
+    ]
 
 
 def one_actor(frames: Frames) -> list[Split]:
     """Each actor in turn is learnt from, all others are asked."""
-    return [_of_clips(f"train on {name}", frames, frames.actor == name, frames.actor != name) for name in np.unique(frames.actor)]
+    return [
+        _of_clips(f"train on {name}", frames, frames.actor == name, frames.actor != name)
+        for name in np.unique(frames.actor)
+    ]
 
 
 def of_published(frames: Frames, published: Mapping[str, np.ndarray]) -> list[Split]:

@@ -28,6 +28,8 @@ def test_chains_at_two_places_do_not_agree_nor_does_one_that_drifts():
 
 
 def test_chains_that_do_not_move_and_chains_too_short():
-    assert split_r_hat(np.full((2, 10), 3.0)) == 1 and effective_draws(np.full((2, 10), 3.0)) == 20
+    assert split_r_hat(np.full((2, 10), 3.0)) == 1
+    assert effective_draws(np.full((2, 10), 3.0)) == 20
     assert split_r_hat(np.array([[1.0] * 10, [2.0] * 10])) == np.inf
-    assert np.isnan(split_r_hat(np.ones((1, 3)))) and np.isnan(effective_draws(np.ones((2, 3))))
+    assert np.isnan(split_r_hat(np.ones((1, 3))))
+    assert np.isnan(effective_draws(np.ones((2, 3))))

@@ -1,7 +1,9 @@
-"""Priors of the hyperparameters against SciPy, their conditionals against the joint density, the slice sampler against known ones."""
+"""Priors of the hyperparameters against SciPy, their conditionals against the joint density, the slice sampler against
+known ones.
+"""
 
-from dataclasses import replace
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +14,17 @@ from ipcli.inverse.bayes.hyperparameters import Clusters, Hyperparameters, Prior
 from ipcli.inverse.bayes.parameters import LEARNED, Hyperprior
 
 D = 3
-INFORMATIVE = Hyperprior(xi_spread=2, rho_shape=4, rho_rate=3, beta_shape=5, beta_mean=0.2, alpha_shape=4, alpha_rate=2, w_dof=10, w_scale=0.7)
+INFORMATIVE = Hyperprior(
+    xi_spread=2,
+    rho_shape=4,
+    rho_rate=3,
+    beta_shape=5,
+    beta_mean=0.2,
+    alpha_shape=4,
+    alpha_rate=2,
+    w_dof=10,
+    w_scale=0.7,
+)
 
 
 @pytest.mark.parametrize("settings", [Hyperprior(), INFORMATIVE], ids=["Rasmussen", "informative"])
@@ -43,7 +55,8 @@ def log_of_clusters(at, mean, s):
     """log p(mu, S | hyperparameters) of all clusters."""
     scale = np.linalg.inv(at.beta * at.w)
     return sum(
-        stats.wishart(at.beta, scale).logpdf(one) + stats.multivariate_normal(at.xi, np.linalg.inv(at.rho * one)).logpdf(m)
+        stats.wishart(at.beta, scale).logpdf(one)
+        + stats.multivariate_normal(at.xi, np.linalg.inv(at.rho * one)).logpdf(m)
         for m, one in zip(mean, s, strict=True)
     )
 
@@ -54,18 +67,28 @@ def test_the_slice_sampler_is_given_the_conditionals_of_beta_and_alpha_up_to_a_c
     base = at.base()
     root = np.array([base.sample(rng)[1][0] for _ in range(k)])
     mean, s = rng.normal(size=(k, D)), root @ root.swapaxes(1, 2)
-    clusters = Clusters(k, s.sum(axis=0), np.einsum("kij,kj->i", s, mean), root, mean, float(np.linalg.slogdet(s)[1].sum()))
+    clusters = Clusters(
+        k, s.sum(axis=0), np.einsum("kij,kj->i", s, mean), root, mean, float(np.linalg.slogdet(s)[1].sum())
+    )
     given = {}
-    monkeypatch.setattr(hyperparameters, "slice_draw", lambda density, t, rng: given.setdefault(len(given), density) and t or t)
+    monkeypatch.setattr(
+        hyperparameters, "slice_draw", lambda density, t, rng: given.setdefault(len(given), density) and t or t
+    )
     prior._beta(at, clusters, rng)
     prior._alpha(at.alpha, k, n, rng)
     ts = np.array([-1.0, 0.3, 1.5, 3.0])
     beta = [
-        log_of_clusters(replace(at, beta=D - 1 + math.exp(t)), mean, s) + prior.log_density(replace(at, beta=D - 1 + math.exp(t))) + t
+        log_of_clusters(replace(at, beta=D - 1 + math.exp(t)), mean, s)
+        + prior.log_density(replace(at, beta=D - 1 + math.exp(t)))
+        + t
         for t in ts
     ]
     alpha = [
-        k * t + math.lgamma(math.exp(t)) - math.lgamma(n + math.exp(t)) + prior.log_density(replace(at, alpha=math.exp(t))) + t
+        k * t
+        + math.lgamma(math.exp(t))
+        - math.lgamma(n + math.exp(t))
+        + prior.log_density(replace(at, alpha=math.exp(t)))
+        + t
         for t in ts
     ]
     for density, expected in ((given[0], beta), (given[1], alpha)):

@@ -24,7 +24,9 @@ def planted(n, k, d, seed, apart=4.0):
     rng = np.random.default_rng(seed)
     labels = rng.integers(k, size=n)
     root = rng.normal(size=(k, d, d)) / np.sqrt(d)
-    return (apart * rng.normal(size=(k, d)))[labels] + np.einsum("nij,nj->ni", root[labels], rng.normal(size=(n, d))), labels
+    return (apart * rng.normal(size=(k, d)))[labels] + np.einsum(
+        "nij,nj->ni", root[labels], rng.normal(size=(n, d))
+    ), labels
 
 
 @pytest.mark.parametrize(("n", "k", "d", "start"), [(400, 6, 2, 0), (500, 8, 7, 1), (300, 4, 20, 0)])
@@ -49,7 +51,9 @@ def test_the_units_of_the_data_change_the_partition_not_and_the_density_by_their
     moved = fit(x @ scale.T + shift, Mixture(sweeps=12, burn_in=4, thin=4, resolution=0), np.random.default_rng(3))
     np.testing.assert_array_equal(plain.partitions, moved.partitions)
     log_det = np.log(np.diagonal(scale)).sum()
-    np.testing.assert_allclose(moved.predictive.log_density(x @ scale.T + shift), plain.predictive.log_density(x) - log_det, atol=1e-6)
+    np.testing.assert_allclose(
+        moved.predictive.log_density(x @ scale.T + shift), plain.predictive.log_density(x) - log_det, atol=1e-6
+    )
     np.testing.assert_allclose(moved.log_joint, plain.log_joint - len(x) * log_det, rtol=1e-8)
 
 
@@ -81,7 +85,15 @@ def test_a_richer_density_than_one_gaussian_is_learned():
         np.array([[1.0, 2.0]]),
         1e9 + np.random.default_rng(0).normal(size=(40, 2)) * 1e-3,
     ],
-    ids=["constant column", "repeated points", "fewer points than dimensions", "on a line", "all the same", "one point", "far off"],
+    ids=[
+        "constant column",
+        "repeated points",
+        "fewer points than dimensions",
+        "on a line",
+        "all the same",
+        "one point",
+        "far off",
+    ],
 )
 def test_data_without_spread_are_carried_by_the_prior(x):
     fitted = fit(x, Mixture(sweeps=40, burn_in=20, thin=10), np.random.default_rng(1))
@@ -170,7 +182,10 @@ def test_the_variation_of_information_is_a_distance_that_knows_no_names(pairs):
     assert variation_of_information(a, b) == pytest.approx(variation_of_information(b, a), abs=1e-12)
     assert variation_of_information(a, (a + 1) % 4) == pytest.approx(0, abs=1e-12)
     assert variation_of_information(a, b) >= -1e-12
-    assert variation_of_information(a, 0 * a) + variation_of_information(0 * a, b) >= variation_of_information(a, b) - 1e-12
+    assert (
+        variation_of_information(a, 0 * a) + variation_of_information(0 * a, b)
+        >= variation_of_information(a, b) - 1e-12
+    )
 
 
 def test_variation_of_information_in_closed_form_and_the_nearest_of_many():

@@ -90,5 +90,7 @@ def test_wishart_density_and_multivariate_gamma_are_those_of_scipy(rng):
     from scipy.special import multigammaln
 
     psi, s = a_prior(4, rng).psi[0], a_prior(4, rng).psi[0]
-    assert wishart.log_density(s, 6.3, psi) == pytest.approx(stats.wishart(6.3, np.linalg.inv(psi)).logpdf(s), rel=1e-12)
+    assert wishart.log_density(s, 6.3, psi) == pytest.approx(
+        stats.wishart(6.3, np.linalg.inv(psi)).logpdf(s), rel=1e-12
+    )
     assert wishart.log_gamma(6.3, 4) == pytest.approx(multigammaln(6.3, 4), rel=1e-13)

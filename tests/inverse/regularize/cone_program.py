@@ -1,4 +1,5 @@
-"""The exact minimum of the TGV or TV problem on a small image, as a second-order cone program solved by interior points.
+"""The exact minimum of the TGV or TV problem on a small image, as a second-order cone program solved by interior
+points.
 
 Independent of the package: the differences are written down again, pixel by pixel.
 """
@@ -37,7 +38,9 @@ class Program:
         return clarabel.DefaultSolver(p, cost, a, np.array(self.right), self.cones, settings).solve()
 
 
-def minimum(layers: np.ndarray, weights: np.ndarray, alpha1: float, alpha0: float, order: int = 2) -> tuple[float, np.ndarray]:
+def minimum(
+    layers: np.ndarray, weights: np.ndarray, alpha1: float, alpha0: float, order: int = 2
+) -> tuple[float, np.ndarray]:
     """Least energy and a minimiser (h, w) for layers and weights (K, h, w), NaN = no observation."""
     k, h, w = layers.shape
     program = Program((h, w), k)

@@ -1,4 +1,6 @@
-"""Data terms: medians and means of incomplete observations, energies, proximal maps and lower bounds, by brute force."""
+"""Data terms: medians and means of incomplete observations, energies, proximal maps and lower bounds, by
+brute force.
+"""
 
 from dataclasses import dataclass
 
@@ -38,9 +40,11 @@ def test_median_mean_and_bounds_are_those_of_what_was_observed(given):
     median, mean = data.median(), data.mean()
     for i, j in np.ndindex(*SHAPE):
         d, w = at_pixel(layers, weights, i, j)
-        assert data.count[i, j] == len(d) and data.total[i, j] == w.sum()
+        assert data.count[i, j] == len(d)
+        assert data.total[i, j] == w.sum()
         if not len(d):
-            assert np.isnan(median[i, j]) and np.isnan(mean[i, j])
+            assert np.isnan(median[i, j])
+            assert np.isnan(mean[i, j])
             continue
         costs = (w * np.abs(d[:, None] - d)).sum(axis=1)
         best = d[costs == costs.min()]  # where the weights tie, every point between two data is a minimiser
@@ -54,7 +58,9 @@ def test_median_mean_and_bounds_are_those_of_what_was_observed(given):
 @given(observations(), st.integers(0, 4))
 def test_the_order_of_the_observations_does_not_matter(given, shift):
     layers, weights = given
-    turned = Observations.of(np.roll(layers, shift, axis=0), None if weights is None else np.roll(weights, shift, axis=0))
+    turned = Observations.of(
+        np.roll(layers, shift, axis=0), None if weights is None else np.roll(weights, shift, axis=0)
+    )
     data, scale, x = Observations.of(layers, weights), np.ones(SHAPE, np.float32), np.zeros(SHAPE, np.float32)
     np.testing.assert_array_equal(turned.stack, data.stack)
     one, other = (AbsoluteDeviations(d, scale).energy(x) for d in (turned, data))

@@ -66,7 +66,9 @@ def test_the_best_confidence_is_the_minimum_in_l_and_0_without_observations(meth
     x = np.full(SHAPE, 18, np.float32)
     confidence = problem.best_confidence(x)
     for i, j in [(0, 0), (3, 30), (20, 11), (29, 36)]:
-        best = minimize_scalar(energy_in_l(problem, x, i, j), bounds=(-20, 20), method="bounded", options={"xatol": 1e-9})
+        best = minimize_scalar(
+            energy_in_l(problem, x, i, j), bounds=(-20, 20), method="bounded", options={"xatol": 1e-9}
+        )
         assert confidence[i, j] == pytest.approx(np.exp(best.x), rel=1e-4)
     np.testing.assert_array_equal(confidence == 0, data.count == 0)
 
@@ -78,7 +80,11 @@ def test_the_best_confidence_of_an_observation_is_the_minimum_in_it():
     for i, k, j in [(0, 0, 0), (3, 1, 30), (20, 0, 11), (29, 2, 36)]:
         deviation = abs(18 - float(data.stack[i, k, j]))
         b, rate = 1 + 0.5 / data.count[i, j], 0.1 / data.count[i, j]
-        best = minimize_scalar(lambda log_l: np.exp(log_l) * (deviation + rate) - b * log_l, bounds=(-20, 20), method="bounded")  # noqa: B023
+
+        def merit(log_l, deviation=deviation, rate=rate, b=b):
+            return np.exp(log_l) * (deviation + rate) - b * log_l
+
+        best = minimize_scalar(merit, bounds=(-20, 20), method="bounded")
         assert confidence[i, k, j] == pytest.approx(np.exp(best.x), rel=1e-3)
     np.testing.assert_array_equal(confidence == 0, np.isinf(data.stack))
 
@@ -94,7 +100,9 @@ def test_observations_that_deviate_alike_are_as_confident_as_their_pixel():
         of_pixels, of_each = (problem.best_confidence(x) for problem in both)
         np.testing.assert_allclose(of_each, np.where(np.isfinite(data.stack), of_pixels[:, None], 0), rtol=1e-5)
         np.testing.assert_allclose(both[1].of_pixels(of_each), of_pixels, rtol=1e-5)
-        energies = [problem.at(confidence).energy(x + 1) for problem, confidence in zip(both, (of_pixels, of_each), strict=True)]
+        energies = [
+            problem.at(confidence).energy(x + 1) for problem, confidence in zip(both, (of_pixels, of_each), strict=True)
+        ]
         np.testing.assert_allclose(*energies, rtol=1e-5)
 
 
@@ -103,7 +111,8 @@ def test_a_view_that_is_off_loses_its_say_where_its_pixel_keeps_it():
     layers = np.stack([np.full(SHAPE, value, np.float32) for value in (0.0, 0.5, 30.0)])
     problem = pose(Observations.of(layers), 0.3, METHODS["l1-adapt-views"], Fusion())
     confidence = problem.best_confidence(np.zeros(SHAPE, np.float32))
-    assert (confidence[:, 2] < 0.3 * confidence[:, 1]).all() and (confidence[:, 0] > confidence[:, 1]).all()
+    assert (confidence[:, 2] < 0.3 * confidence[:, 1]).all()
+    assert (confidence[:, 0] > confidence[:, 1]).all()
 
 
 @pytest.mark.parametrize("step", [0.01, 0.25, 10.0])
@@ -136,7 +145,9 @@ def test_alternate_convex_search_never_raises_the_merit(seed, method, settings):
     iterate, history = iterate_of(problem, data)
     ALGORITHMS["acs"](problem, iterate, Solver(), 8, history)
     falls = -np.diff(merits(history))
-    assert len(falls) >= 2 and (falls >= -1e-7 * np.abs(merits(history)[1:])).all() and falls[0] > 0
+    assert len(falls) >= 2
+    assert (falls >= -1e-7 * np.abs(merits(history)[1:])).all()
+    assert falls[0] > 0
 
 
 def test_a_round_that_runs_out_of_iterations_does_not_raise_the_merit_either():
@@ -162,7 +173,8 @@ def test_the_merit_is_the_energy_with_the_best_confidence_put_in():
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize(("method", "prior"), [("l1-adapt", {}), ("l1-adapt-views", {"shape": 21.0, "rate": 20.0})])
 def test_the_three_algorithms_end_at_nearly_the_same_merit_and_depth(seed, method, prior):
-    """The biconvex method moves the confidence in each iteration and circles around its end, at some thousandth of the merit.
+    """The biconvex method moves the confidence in each iteration and circles around its end, at some thousandth of the
+    merit.
 
     The confidences of single observations under a weak prior have many minima, and each algorithm finds its own.
     """
@@ -173,11 +185,13 @@ def test_the_three_algorithms_end_at_nearly_the_same_merit_and_depth(seed, metho
         ALGORITHMS[name](problem, iterate, solver, rounds, history)
         merit[name], depth[name] = merits(history)[-1], iterate.x
     gain = merits(history)[0] - merit["acs"]
-    assert gain > 0 and abs(merit["ama"] - merit["acs"]) < 0.05 * gain
+    assert gain > 0
+    assert abs(merit["ama"] - merit["acs"]) < 0.05 * gain
     assert merit["biconvex"] == pytest.approx(merit["acs"], rel=5e-3)
     for name, median in {"ama": 0.01, "biconvex": 0.05}.items():  # in units of the noise
         apart = np.abs(depth[name] - depth["acs"])
-        assert np.median(apart) < median and np.quantile(apart, 0.99) < 10 * median
+        assert np.median(apart) < median
+        assert np.quantile(apart, 0.99) < 10 * median
 
 
 def test_alternating_minimisation_gets_as_far_in_the_default_rounds_as_alternate_convex_search():

@@ -15,7 +15,14 @@ def some_points(rng, count, color=True):
     normal = rng.normal((0, 0, -2), 1, (count, 3))
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     colors = rng.integers(0, 256, (count, 3), np.uint8) if color else None
-    return Points(rng.uniform(-1, 1, (count, 3)), normal, colors, rng.uniform(1, 9, count), rng.uniform(0, 2, count), rng.integers(2, 9, count))
+    return Points(
+        rng.uniform(-1, 1, (count, 3)),
+        normal,
+        colors,
+        rng.uniform(1, 9, count),
+        rng.uniform(0, 2, count),
+        rng.integers(2, 9, count),
+    )
 
 
 def by_dictionary(points):
@@ -27,7 +34,8 @@ def by_dictionary(points):
     for cell, inside in members.items():
         weights = points.precision[inside]
         position, normal, color, confidence = (
-            np.average(values[inside], axis=0, weights=weights) for values in (points.position, points.normal, points.color, points.confidence)
+            np.average(values[inside], axis=0, weights=weights)
+            for values in (points.position, points.normal, points.color, points.confidence)
         )
         unit = normal / np.linalg.norm(normal)
         means[cell] = (position, unit, np.rint(color), weights.sum(), confidence, points.views[inside].max())

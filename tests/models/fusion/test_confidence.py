@@ -25,14 +25,17 @@ def test_view_angle_never_cuts_a_pixel_off():
     depth = plane_depth((0, 0, 1.0))
     depth[10:20, 10:20] = np.nan
     least = view_angle(depth, K)
-    assert np.isfinite(least).all() and least.min() == np.float32(LEAST)
+    assert np.isfinite(least).all()
+    assert least.min() == np.float32(LEAST)
 
 
 def test_image_edges_are_1_on_even_areas_and_rise_to_the_gain_at_the_strongest_edge():
     image = np.zeros((40, 50, 3), np.uint8)
     image[:, 25:] = 200
     confidence = image_edges(image, gain=3.0, power=2.0, blur=0.0)
-    assert (confidence[:, :20] == 1).all() and confidence[:, 24:26] == pytest.approx(4) and confidence.max() <= 4
+    assert (confidence[:, :20] == 1).all()
+    assert confidence[:, 24:26] == pytest.approx(4)
+    assert confidence.max() <= 4
     assert (image_edges(np.full_like(image, 77), 3.0, 1.0, 1.0) == 1).all()
 
 

@@ -29,7 +29,9 @@ def test_the_weights_linearise_the_concave_penalty_from_above():
     # gain w log(1 + r / w) <= its value at r0 + weight(r0) (r - r0): what makes a pass lower it
     width, gain, r0, r = 0.3, 1.5, 0.8, np.linspace(0, 20, 500)
     x = np.array([[0, r0]], np.float32)
-    weight = first_order_weights(x, np.zeros((2, 1, 2), np.float32), np.ones((1, 2)), Edges(gain=gain, width=width))[0, 0]
+    weight = first_order_weights(x, np.zeros((2, 1, 2), np.float32), np.ones((1, 2)), Edges(gain=gain, width=width))[
+        0, 0
+    ]
 
     def penalty(height):
         return gain * width * np.log1p(height / width)
@@ -46,12 +48,16 @@ def test_they_bring_a_scene_with_edges_nearer_to_its_truth():
 
 def test_a_gain_of_0_is_the_even_regulariser():
     views = scene(outliers=0.0)
-    found = [fuse(views, views[2], Fusion(reassociate=0, edges=Edges(gain=gain)), inverse=False).depth for gain in (0.0, 1.5)]
+    found = [
+        fuse(views, views[2], Fusion(reassociate=0, edges=Edges(gain=gain)), inverse=False).depth for gain in (0.0, 1.5)
+    ]
     np.testing.assert_array_equal(*found)  # without a first map there are no edges to go by
 
 
 def test_the_image_halves_the_weight_where_it_changes_by_the_contrast_and_leaves_1_where_it_does_not():
-    ramp = np.repeat(np.arange(20, 220, 5, np.uint8)[None, :, None], 30, axis=0).repeat(3, axis=2)  # 5 grey levels a pixel
+    ramp = np.repeat(np.arange(20, 220, 5, np.uint8)[None, :, None], 30, axis=0).repeat(
+        3, axis=2
+    )  # 5 grey levels a pixel
     weights = image_weights(ramp, contrast=5.0)
     np.testing.assert_allclose(weights[:, 6:-6], 0.5, rtol=1e-3)
     np.testing.assert_allclose(image_weights(ramp.transpose(1, 0, 2), contrast=5.0), weights.T, rtol=1e-5)
@@ -59,8 +65,10 @@ def test_the_image_halves_the_weight_where_it_changes_by_the_contrast_and_leaves
     step = np.zeros((30, 40, 3), np.uint8)
     step[:, 20:] = 200
     across = image_weights(step, contrast=4.0)
-    assert across[15].argmin() == 19 and across[15, 19] < 4 / (4 + 200 * 0.9 * 0.39 / BLUR)  # a normal's peak is .399 / BLUR
-    assert (across[:, :14] == 1).all() and (across[:, 27:] == 1).all()
+    assert across[15].argmin() == 19
+    assert across[15, 19] < 4 / (4 + 200 * 0.9 * 0.39 / BLUR)
+    assert (across[:, :14] == 1).all()
+    assert (across[:, 27:] == 1).all()
 
 
 def on_the_wall(truth):
@@ -71,12 +79,16 @@ def on_the_wall(truth):
 
 
 @pytest.mark.parametrize("method", ["l1-adapt", "tv-l1"])
-def test_an_image_whose_edges_are_those_of_the_scene_brings_noisy_maps_nearer_to_the_truth_and_none_changes_nothing(method):
+def test_an_image_whose_edges_are_those_of_the_scene_brings_noisy_maps_nearer_to_the_truth_and_none_changes_nothing(
+    method,
+):
     views = scene(outliers=0.02, noise=0.1)
     truth = views[2].truth
     image = np.full((*truth.shape, 3), 40, np.uint8)
     image[~on_the_wall(truth)] = 200  # the ball
-    settings = {use: Fusion(method=method, regulariser=Regulariser(alpha1=3.0), edges=Edges(image=use)) for use in (0.0, 4.0)}
+    settings = {
+        use: Fusion(method=method, regulariser=Regulariser(alpha1=3.0), edges=Edges(image=use)) for use in (0.0, 4.0)
+    }
 
     def error(use, image):
         found = fuse(views, replace(views[2], image=image), settings[use], inverse=False)

@@ -29,7 +29,9 @@ def fused(view: View, noise=NOISE) -> FusedMap:
     smooth = normals(view.truth, view.intrinsics)
     ones = np.ones(view.depth.shape, np.float32)
     even = np.full(view.depth.shape, noise, np.float32)
-    return FusedMap(view.depth, ones, ones.astype(np.uint16), smooth, even, view.intrinsics, view.cam_from_world, view.image)
+    return FusedMap(
+        view.depth, ones, ones.astype(np.uint16), smooth, even, view.intrinsics, view.cam_from_world, view.image
+    )
 
 
 def maps(k=6, noise=NOISE, **facts):
@@ -44,7 +46,8 @@ def test_the_cloud_lies_on_the_surface_nearer_than_the_maps_do():
     single = scene(6, noise=NOISE)[0]
     noise = np.nanmedian(np.abs(single.depth - single.truth))
     assert np.median(distance(cloud.points.position)) < 0.6 * noise
-    assert cloud.points.views.min() >= 3 and cloud.points.views.max() == 6
+    assert cloud.points.views.min() >= 3
+    assert cloud.points.views.max() == 6
     np.testing.assert_allclose(np.linalg.norm(cloud.points.normal, axis=1), 1, atol=1e-6)
     wall = distance(cloud.points.position) < 0.01
     facing = -cloud.points.normal @ (WALL / np.linalg.norm(WALL))
@@ -85,7 +88,9 @@ def test_surfaces_that_face_another_way_do_not_agree():
 
 
 def test_a_motion_of_the_world_moves_the_cloud_alike():
-    motion = pose_at((3.0, -2.0, 5.0), 0.7) @ np.array([[1, 0, 0, 0], [0, 0.6, -0.8, 0], [0, 0.8, 0.6, 0], [0, 0, 0, 1]])
+    motion = pose_at((3.0, -2.0, 5.0), 0.7) @ np.array(
+        [[1, 0, 0, 0], [0, 0.6, -0.8, 0], [0, 0.8, 0.6, 0], [0, 0, 0, 1]]
+    )
     still = maps(4)
     moving = [replace(m, cam_from_world=m.cam_from_world @ np.linalg.inv(motion)) for m in still]
     a, b = merge(still, SETTINGS), merge(moving, SETTINGS)
@@ -121,7 +126,8 @@ def test_cells_of_a_coarse_grid_hold_one_point_each():
     cloud = merge(maps(3), replace(SETTINGS, spacing=0.1))
     fine = merge(maps(3), SETTINGS)
     assert 20 < len(cloud.points.position) < len(fine.points.position) / 5
-    assert np.median(distance(cloud.points.position)) < 0.01 and cloud.spacing == 0.1
+    assert np.median(distance(cloud.points.position)) < 0.01
+    assert cloud.spacing == 0.1
     with pytest.raises(ParameterError, match="cells along an axis"):
         merge(maps(3), replace(SETTINGS, spacing=1e-9))
 
@@ -142,5 +148,7 @@ def test_noise_of_disparities_grows_with_the_square_of_the_depth():
     scale = 1.4826 * 0.1
     even = depth_noise(depth, np.array([0.1, np.nan]), inverse=False)[0, :3]
     np.testing.assert_allclose(even, scale, rtol=1e-6)
-    np.testing.assert_allclose(depth_noise(depth, np.array([0.1]), inverse=True)[0, :3], scale * np.array([0.25, 1, 4]), rtol=1e-6)
+    np.testing.assert_allclose(
+        depth_noise(depth, np.array([0.1]), inverse=True)[0, :3], scale * np.array([0.25, 1, 4]), rtol=1e-6
+    )
     assert (depth_noise(depth, np.array([np.nan]), inverse=False)[0, :3] > 0).all()

@@ -6,7 +6,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from ipcli.models.fusion.metrics import ause, compare, depth_errors, disparity_errors, interpolate_background, normal_error
+from ipcli.models.fusion.metrics import (
+    ause,
+    compare,
+    depth_errors,
+    disparity_errors,
+    interpolate_background,
+    normal_error,
+)
 from tests.fusion_scenes import camera
 
 
@@ -15,7 +22,8 @@ def test_depth_errors_of_four_pixels_by_hand():
     depth = truth + [[1, -1, 3], [1, 99, np.nan]]
     where = np.array([[True, True, True], [True, False, False]])
     rmse, mae, centred, z_mae = depth_errors(depth, truth, where)
-    assert rmse == pytest.approx(np.sqrt(12 / 4)) and mae == pytest.approx(6 / 4)
+    assert rmse == pytest.approx(np.sqrt(12 / 4))
+    assert mae == pytest.approx(6 / 4)
     assert centred == pytest.approx(np.sqrt((0 + 4 + 4 + 0) / 4))  # about the mean error 1
     assert z_mae == pytest.approx((0 + 2 + 2 + 0) / 4)  # about the median error 1
     assert np.isnan(depth_errors(depth, truth, where & False)).all()
@@ -42,10 +50,13 @@ def test_maps_are_compared_where_all_have_a_value_but_their_density_is_their_own
     dense[4, 5], sparse[:, :3] = 9.0, np.nan
     truth[4, 5] = np.nan
     columns, rows = compare({"dense": dense, "sparse": sparse}, truth, camera((5, 6)), baseline_focal=30.0)
-    assert columns[0] == "density %" and columns[-3:] == ["out-3 %", "D-avg px", "out-3 seen %"]
+    assert columns[0] == "density %"
+    assert columns[-3:] == ["out-3 %", "D-avg px", "out-3 seen %"]
     np.testing.assert_allclose(rows[0, :5], [100, 0.5, 0.5, 0, 0], atol=1e-6)
     np.testing.assert_allclose(rows[1, :5], [100 * 14 / 29, 0, 0, 0, 0], atol=1e-6)
-    np.testing.assert_allclose(rows[:, -3:], [[0, 3, 0], [0, 0, 0]], atol=1e-5)  # 30 / 2 - 30 / 2.5 = 3 is not more than 3
+    np.testing.assert_allclose(
+        rows[:, -3:], [[0, 3, 0], [0, 0, 0]], atol=1e-5
+    )  # 30 / 2 - 30 / 2.5 = 3 is not more than 3
     assert compare({"dense": dense}, truth, camera((5, 6)), None)[1].shape == (1, 6)
 
 
@@ -57,7 +68,9 @@ def test_disparities_are_counted_with_the_gaps_filled_and_where_all_are_seen():
     off[0] = 1.0
     _, rows = compare({"sparse": sparse, "off": off}, truth, camera((3, 5)), baseline_focal=30.0)
     np.testing.assert_allclose(rows[:, -3:], [[0, 0, 0], [100 * 4 / 15, 20 * 4 / 15, 100 * 3 / 12]], atol=1e-5)
-    assert np.isnan(compare({"sparse": sparse, "none": np.full_like(truth, np.nan)}, truth, camera((3, 5)), 30.0)[1][:, -1]).all()
+    assert np.isnan(
+        compare({"sparse": sparse, "none": np.full_like(truth, np.nan)}, truth, camera((3, 5)), 30.0)[1][:, -1]
+    ).all()
 
 
 def development_kit(disparity):
@@ -95,7 +108,9 @@ def development_kit(disparity):
     return np.where(d < 0, np.nan, d)
 
 
-maps = nps.arrays(np.float32, nps.array_shapes(min_dims=2, max_dims=2, max_side=7), elements=st.integers(0, 9) | st.just(np.nan))
+maps = nps.arrays(
+    np.float32, nps.array_shapes(min_dims=2, max_dims=2, max_side=7), elements=st.integers(0, 9) | st.just(np.nan)
+)
 
 
 @given(maps)
@@ -120,7 +135,8 @@ def test_the_ause_of_three_pixels_by_hand():
     assert ause(confidence, error) == pytest.approx((3 + 1.5 + 0) / 3 / (4 / 3))
     assert ause(np.array([1.0, 5, 9, 0]), error) == 0
     assert ause(np.ones(4), error) == pytest.approx((4 / 3 + 4 / 3 - 1 / 2 + 0) / 3 / (4 / 3))  # equal: as at random
-    assert np.isnan(ause(confidence, np.full(4, np.nan))) and ause(confidence, np.zeros(4)) == 0
+    assert np.isnan(ause(confidence, np.full(4, np.nan)))
+    assert ause(confidence, np.zeros(4)) == 0
 
 
 @given(st.integers(0, 2**32 - 1))

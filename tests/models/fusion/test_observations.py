@@ -19,15 +19,19 @@ def noisy(distribution, k, shape=(150, 200), scale=0.03, seed=0):
 @pytest.mark.parametrize("distribution", TRUE)
 @pytest.mark.parametrize("k", range(2, 12))
 def test_the_noise_scale_is_the_same_for_any_number_of_observations(distribution, k):
-    """Within 5 %; so few as 2 or 3 values do not tell the distributions apart, whose best factors differ by 16 and 12 %."""
+    """Within 5 %; so few as 2 or 3 values do not tell the distributions apart, whose best factors differ by 16 and 12
+    %.
+    """
     layers = noisy(distribution, k).astype(np.float32)
     assert noise_scale(layers) == pytest.approx(0.03 * TRUE[distribution], rel={2: 0.1, 3: 0.07, 4: 0.07}.get(k, 0.055))
 
 
-@pytest.mark.parametrize("distribution, tolerance", [("normal", 0.05), ("laplace", 0.2)])
+@pytest.mark.parametrize(("distribution", "tolerance"), [("normal", 0.05), ("laplace", 0.2)])
 def test_the_noise_scale_of_one_view_of_a_plane_comes_from_its_second_differences(distribution, tolerance):
     """A sum of three Laplace variables is nearly normal, so that their scale is taken for 1 / 1.18 of what it is."""
-    assert noise_scale(noisy(distribution, 1).astype(np.float32)) == pytest.approx(0.03 * TRUE[distribution], rel=tolerance)
+    assert noise_scale(noisy(distribution, 1).astype(np.float32)) == pytest.approx(
+        0.03 * TRUE[distribution], rel=tolerance
+    )
 
 
 @pytest.mark.parametrize("k", [3, 7])
@@ -46,7 +50,8 @@ def test_depth_survives_the_units_and_missing_depth_stays_missing(inverse):
     units = measure(layers, inverse=inverse)
     x = units.normalise(layers)
     np.testing.assert_allclose(units.depth(x), np.where(np.isinf(layers), np.nan, layers), rtol=1e-5)
-    assert np.isnan(x[0, :5]).all() and abs(np.nanmedian(x)) < 1e-3
+    assert np.isnan(x[0, :5]).all()
+    assert abs(np.nanmedian(x)) < 1e-3
     assert noise_scale(x) == pytest.approx(1, rel=1e-3)
 
 

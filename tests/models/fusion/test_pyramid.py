@@ -35,7 +35,8 @@ def test_a_start_reproduces_an_affine_image_with_its_slopes(shape, levels):
     even = all(side % 4 == 0 for side in shape)
     inside = (slice(8, -8), slice(8, -8))
     np.testing.assert_allclose(iterate.x[inside], x[inside], atol=0.02 if even else 0.25 + 0.5)
-    assert np.median(iterate.v[0]) == pytest.approx(0.25, abs=0.01) and np.median(iterate.v[1]) == pytest.approx(-0.5, abs=0.01)
+    assert np.median(iterate.v[0]) == pytest.approx(0.25, abs=0.01)
+    assert np.median(iterate.v[1]) == pytest.approx(-0.5, abs=0.01)
 
 
 def noisy(shape=(100, 124)):
@@ -48,9 +49,14 @@ def noisy(shape=(100, 124)):
 def test_a_start_has_feasible_duals_that_are_zero_where_no_difference_is():
     iterate = start(noisy(), 0.5, TGV, Solver(relaxation=1.0), 3)
     p, q = iterate.p, iterate.q
-    assert np.hypot(*p).max() <= 1 + 1e-5 and np.sqrt(q[0] ** 2 + q[1] ** 2 + 2 * q[2] ** 2).max() <= 2 + 1e-5
-    assert not p[0, :, -1].any() and not p[1, -1].any() and not q[0, :, 0].any() and not q[1, 0].any()
-    assert not q[2, 0].any() and not q[2, :, 0].any()
+    assert np.hypot(*p).max() <= 1 + 1e-5
+    assert np.sqrt(q[0] ** 2 + q[1] ** 2 + 2 * q[2] ** 2).max() <= 2 + 1e-5
+    assert not p[0, :, -1].any()
+    assert not p[1, -1].any()
+    assert not q[0, :, 0].any()
+    assert not q[1, 0].any()
+    assert not q[2, 0].any()
+    assert not q[2, :, 0].any()
     assert np.abs(p).max() > 0.5  # they are not just empty
 
 
@@ -63,7 +69,9 @@ def test_half_the_size_is_half_the_energy():
     coarse = tgv.value(halved(x[None])[0], gradients[1], Regulariser(alpha1=0.0, alpha0=1.0))
     assert coarse == pytest.approx(fine / 2, rel=0.05)
     zero = [0 * g for g in gradients]
-    fine, coarse = (tgv.value(a, z, Regulariser(alpha0=0.0)) for a, z in zip((x, halved(x[None])[0]), zero, strict=True))
+    fine, coarse = (
+        tgv.value(a, z, Regulariser(alpha0=0.0)) for a, z in zip((x, halved(x[None])[0]), zero, strict=True)
+    )
     assert coarse == pytest.approx(fine / 2, rel=0.02)
 
 

@@ -1,4 +1,6 @@
-"""Observations looked up by a map: exact where the map is, blind to their own noise, and no more than forward projection knows."""
+"""Observations looked up by a map: exact where the map is, blind to their own noise, and no more than forward
+projection knows.
+"""
 
 from dataclasses import replace
 
@@ -43,7 +45,8 @@ def test_with_the_true_map_views_without_noise_say_exactly_the_truth(inverse):
     truth = views[2].truth
     layers = reassociate(truth, views, views[2], nothing(views, views[2]), units(inverse)).depth
     seen = np.isfinite(layers)
-    assert seen.mean() > 0.85 and seen[2].all()
+    assert seen.mean() > 0.85
+    assert seen[2].all()
     np.testing.assert_allclose(layers[seen], np.broadcast_to(truth, layers.shape)[seen], rtol=2e-6)
 
 
@@ -54,13 +57,16 @@ def test_without_noise_looking_up_and_forward_projection_agree_to_half_a_pixel()
     both = np.isfinite(forward.depth) & np.isfinite(layers.depth)
     slope = np.abs(np.gradient(views[2].truth)).max(axis=0)
     apart = np.abs(np.where(both, layers.depth, 0) - np.where(both, forward.depth, 0))
-    assert both.mean() > 0.85 and (apart <= 1.5 * slope + 1e-5)[both].mean() > 0.995
+    assert both.mean() > 0.85
+    assert (apart <= 1.5 * slope + 1e-5)[both].mean() > 0.995
     assert (np.isfinite(layers.depth) >= np.isfinite(forward.depth)).all()
 
 
 @pytest.mark.parametrize("inverse", [False, True], ids=["depth", "disparity"])
 def test_what_a_look_up_adds_to_the_truth_is_the_noise_of_the_pixel_and_no_bias(inverse):
-    """Forward projection takes the nearest of the points that noise has scattered, here by pixels; looking up does not."""
+    """Forward projection takes the nearest of the points that noise has scattered, here by pixels; looking up
+    does not.
+    """
     views = wall_views(noise=0.1)
     reference, truth = views[2], views[2].truth
     layers = reassociate(truth, views, reference, nothing(views, reference), units(inverse, scale=1.0)).depth
@@ -70,7 +76,8 @@ def test_what_a_look_up_adds_to_the_truth_is_the_noise_of_the_pixel_and_no_bias(
     forward = (reproject_all(views, reference).depth - truth)[others]
     forward = forward[np.isfinite(forward)]
     assert np.mean(np.abs(error)) == pytest.approx(0.1, rel=0.15)
-    assert abs(np.median(error)) < 0.01 and abs(np.median(error)) < 0.25 * abs(np.median(forward))
+    assert abs(np.median(error)) < 0.01
+    assert abs(np.median(error)) < 0.25 * abs(np.median(forward))
 
 
 def test_a_map_that_is_wrong_by_more_than_the_gate_leaves_the_forward_projection_as_it_is():
@@ -83,7 +90,10 @@ def test_a_map_that_is_wrong_by_more_than_the_gate_leaves_the_forward_projection
 def test_given_confidences_go_with_the_pixel_that_was_looked_up():
     views = wall_views()
     marks = np.random.default_rng(0).random(SHAPE, dtype=np.float32)
-    views[2], views[3] = replace(views[2], confidence=marks), replace(views[3], confidence=np.full(SHAPE, 0.25, np.float32))
+    views[2], views[3] = (
+        replace(views[2], confidence=marks),
+        replace(views[3], confidence=np.full(SHAPE, 0.25, np.float32)),
+    )
     forward = reproject_all(views, views[2])
     layers = reassociate(views[2].truth, views, views[2], forward, units())
     np.testing.assert_array_equal(layers.confidence[2], marks)

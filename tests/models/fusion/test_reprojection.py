@@ -13,7 +13,9 @@ FOCAL = np.array([[64.0, 0, 20], [0, 64.0, 15], [0, 0, 1]])
 
 
 def view(depth, pose=None, intrinsics=FOCAL, confidence=None):
-    return View("v", np.asarray(depth, np.float32), intrinsics, np.eye(4) if pose is None else pose, confidence=confidence)
+    return View(
+        "v", np.asarray(depth, np.float32), intrinsics, np.eye(4) if pose is None else pose, confidence=confidence
+    )
 
 
 def wall(depth, shape=(31, 41)):
@@ -79,12 +81,14 @@ def test_views_of_any_size_give_the_depth_that_the_reference_would_see(shape):
     seen, _ = reproject(other, reference)
     assert seen.shape == (30, 40)
     error = np.abs(seen - reference.depth)[np.isfinite(seen)]
-    assert error.size > 150 and np.median(error) < 5e-3
+    assert error.size > 150
+    assert np.median(error) < 5e-3
 
 
 def test_a_view_without_confidence_counts_1_beside_one_that_has_some_and_alone_there_are_none():
     plain, weighted = view(wall(2.0)), view(wall(2.0), confidence=wall(0.25))
     layers = reproject_all([plain, weighted], plain)
     assert layers.depth.shape == layers.confidence.shape == (2, 31, 41)
-    assert (layers.confidence[0] == 1).all() and (layers.confidence[1] == 0.25).all()
+    assert (layers.confidence[0] == 1).all()
+    assert (layers.confidence[1] == 0.25).all()
     assert reproject_all([plain, replace(plain)], plain).confidence is None

@@ -38,21 +38,27 @@ def test_tiles_cover_every_pixel_once():
     for window in tiles.tiles(SHAPE, SIDE):
         window.of(count)[:] += 1
         wide = window.wider(tiles.MARGIN)
-        np.testing.assert_array_equal(window.within(wide).of(wide.of(np.arange(count.size).reshape(SHAPE))),
-                                      window.of(np.arange(count.size).reshape(SHAPE)))  # fmt: skip
+        np.testing.assert_array_equal(
+            window.within(wide).of(wide.of(np.arange(count.size).reshape(SHAPE))),
+            window.of(np.arange(count.size).reshape(SHAPE)),
+        )
     assert (count == 1).all()
 
 
 @pytest.mark.parametrize("inverse", [False, True], ids=["depth", "disparity"])
 def test_in_tiles_the_map_is_that_of_the_whole_and_has_no_seams(views, inverse):
     whole, tiled = both(views, inverse=inverse)
-    assert tiled.noise_scale == pytest.approx(whole.noise_scale, rel=0.02) and tiled.lam == pytest.approx(whole.lam)
+    assert tiled.noise_scale == pytest.approx(whole.noise_scale, rel=0.02)
+    assert tiled.lam == pytest.approx(whole.lam)
     assert (tiled.observations == whole.observations).mean() > 0.998  # what is looked up depends on the map
     unit = 0.02  # the noise
     apart = np.abs(tiled.depth - whole.depth) / unit
     error = np.abs(whole.depth - views[2].truth).mean() / unit
-    assert apart.mean() < 0.05 * error and np.quantile(apart, 0.99) < 0.5 * error
-    at_seams = np.concatenate([apart[:, SIDE - 1 :: SIDE].ravel(), apart[SIDE - 1 :: SIDE].ravel(), apart[SIDE::SIDE].ravel()])
+    assert apart.mean() < 0.05 * error
+    assert np.quantile(apart, 0.99) < 0.5 * error
+    at_seams = np.concatenate(
+        [apart[:, SIDE - 1 :: SIDE].ravel(), apart[SIDE - 1 :: SIDE].ravel(), apart[SIDE::SIDE].ravel()]
+    )
     assert at_seams.mean() < 0.1 * error
     jumps = np.diff(tiled.depth - whole.depth, axis=1)[:, SIDE - 1 :: SIDE] / unit
     assert np.abs(jumps).mean() < 0.12 * error  # the weights of edges pass on what the quick first maps differ by
@@ -60,7 +66,9 @@ def test_in_tiles_the_map_is_that_of_the_whole_and_has_no_seams(views, inverse):
 
 def test_one_tile_is_the_whole_but_for_the_windows_the_scale_comes_from(views):
     whole = fuse(views, views[2], Fusion(), inverse=False)
-    tiled = tiles.fuse_in_tiles(views, views[2], Fusion(), 512, inverse=False)  # the windows cover all of so small an image
+    tiled = tiles.fuse_in_tiles(
+        views, views[2], Fusion(), 512, inverse=False
+    )  # the windows cover all of so small an image
     for name in ("depth", "confidence", "observations", "mean", "median"):
         np.testing.assert_allclose(getattr(tiled, name), getattr(whole, name), rtol=1e-3)
     np.testing.assert_array_equal(tiled.layers, whole.layers[:, :: tiles.EVERY, :: tiles.EVERY])
@@ -80,10 +88,11 @@ def test_a_tile_that_nothing_reaches_stays_empty(views):
         depth = np.full(SHAPE, np.nan, np.float32)
         depth[:, 72:] = view.depth[:, 72:]
         blind.append(replace(view, depth=depth))
-    old = tiles.MARGIN
     tiled = tiles.fuse_in_tiles(blind, blind[2], Fusion(method="tgv-l1"), 32, inverse=False)
-    assert np.isnan(tiled.depth[:, :32]).all() and np.isfinite(tiled.depth[:, 100:]).all()
-    assert not tiled.observations[:, :32].any() and not tiled.confidence[:, :32].any()
+    assert np.isnan(tiled.depth[:, :32]).all()
+    assert np.isfinite(tiled.depth[:, 100:]).all()
+    assert not tiled.observations[:, :32].any()
+    assert not tiled.confidence[:, :32].any()
 
 
 def test_no_overlap_is_told(views):

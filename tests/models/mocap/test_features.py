@@ -1,4 +1,6 @@
-"""Principal directions against closed forms, a Karcher mean and another library's words; what may not change a feature does not."""
+"""Principal directions against closed forms, a Karcher mean and another library's words; what may not change a feature
+does not.
+"""
 
 from dataclasses import replace
 
@@ -18,7 +20,9 @@ from tests.mocap_bodies import GROUPS, NAMES, OFFSETS, SKELETON, motion, poses
 ALIGNED, TURNS, THESIS = Features(motion=0.0), Features(rotation_weight=0.1, motion=0.0), Features(kind="thesis")
 MOVING = Features(motion=0.1)
 ALL = pytest.mark.parametrize("settings", [ALIGNED, TURNS, THESIS], ids=["aligned", "turns", "thesis"])
-EVERY = pytest.mark.parametrize("settings", [ALIGNED, TURNS, THESIS, MOVING], ids=["aligned", "turns", "thesis", "moving"])
+EVERY = pytest.mark.parametrize(
+    "settings", [ALIGNED, TURNS, THESIS, MOVING], ids=["aligned", "turns", "thesis", "moving"]
+)
 CARRIES_OVER = pytest.mark.parametrize("settings", [ALIGNED, TURNS, MOVING], ids=["aligned", "turns", "moving"])
 LENGTHS = features.reference_lengths([motion(np.tile(np.eye(3), (1, len(NAMES), 1, 1)))], GROUPS)
 
@@ -51,12 +55,16 @@ def test_where_one_stands_and_faces_makes_no_difference(settings, turn, x, z):
 @given(size=st.floats(0.3, 3))
 def test_size_makes_no_difference(settings, size):
     moved = poses(6, 3)
-    np.testing.assert_allclose(measure(replace(moved, positions=size * moved.positions), settings), measure(moved, settings), atol=1e-9)
+    np.testing.assert_allclose(
+        measure(replace(moved, positions=size * moved.positions), settings), measure(moved, settings), atol=1e-9
+    )
 
 
 def test_bone_lengths_make_no_difference_to_aligned_features_but_to_those_of_the_thesis():
     rng = np.random.default_rng(4)
-    turns = Rotation.from_rotvec(0.4 * rng.standard_normal((5 * len(NAMES), 3))).as_matrix().reshape(5, len(NAMES), 3, 3)
+    turns = (
+        Rotation.from_rotvec(0.4 * rng.standard_normal((5 * len(NAMES), 3))).as_matrix().reshape(5, len(NAMES), 3, 3)
+    )
     one, other = motion(turns), motion(turns, OFFSETS * rng.uniform(0.8, 1.2, (len(NAMES), 1)))
     assert np.abs(measure(one, ALIGNED) - measure(other, ALIGNED)).max() < 1e-9
     assert np.abs(measure(one, THESIS) - measure(other, THESIS)).max() > 1e-3
@@ -66,7 +74,10 @@ def test_a_straight_arm_raised_is_seen_by_aligned_features_and_not_by_those_of_t
     turns = np.tile(np.eye(3), (2, len(NAMES), 1, 1))
     turns[1, NAMES.index("left_shoulder")] = Rotation.from_euler("z", 2.0).as_matrix()
     moved = motion(turns)
-    arm = {settings.kind: features.of_motion(moved, GROUPS, LENGTHS, settings)["left_arm"] for settings in (ALIGNED, THESIS)}
+    arm = {
+        settings.kind: features.of_motion(moved, GROUPS, LENGTHS, settings)["left_arm"]
+        for settings in (ALIGNED, THESIS)
+    }
     assert np.abs(arm["aligned"][0] - arm["aligned"][1]).max() > 0.1
     np.testing.assert_allclose(arm["thesis"][0], arm["thesis"][1], atol=1e-9)
 
@@ -126,7 +137,9 @@ def test_the_most_distal_joint_is_on_the_positive_side():
 
 
 def test_joints_on_one_geodesic_have_its_direction_and_variance():
-    """Of a mean and joints at +-s along a unit twist the first direction is that twist, the variance the mean of s^2."""
+    """Of a mean and joints at +-s along a unit twist the first direction is that twist, the variance the
+    mean of s^2.
+    """
     rotation, place = Rotation.from_rotvec([0.3, -0.5, 0.2]).as_matrix(), np.array([0.4, 1.0, -0.2])
     twist, steps = np.array([0.1, 0.5, -0.3, 0.6, 0.2, 0.4]), np.array([-0.7, 0.1, 0.6])
     twist /= np.linalg.norm(twist)
@@ -176,7 +189,9 @@ def test_a_common_skeleton_has_its_bones_and_every_pose_its_directions():
     for parent, joint in SKELETON.bones():
         bone, own = posed[:, joint] - posed[:, parent], moved.positions[:, joint] - moved.positions[:, parent]
         np.testing.assert_allclose(np.linalg.norm(bone, axis=1), LENGTHS[joint], rtol=1e-9)
-        np.testing.assert_allclose(bone[:, 1] / LENGTHS[joint], own[:, 1] / np.linalg.norm(own, axis=1), atol=1e-9)  # up stays up
+        np.testing.assert_allclose(
+            bone[:, 1] / LENGTHS[joint], own[:, 1] / np.linalg.norm(own, axis=1), atol=1e-9
+        )  # up stays up
 
 
 def change(moved, reach=0.1):
@@ -197,9 +212,16 @@ def test_a_body_that_glides_and_turns_evenly_changes_by_that_alone():
     time, tall = np.arange(41) / 100, features.height(still, GROUPS)
     turns = Rotation.from_euler("y", time[:, None]).as_matrix()
     forward = heading(still, GROUPS)[0, :, 2]
-    glides = replace(still, positions=still.positions.repeat(41, axis=0) + 0.5 * tall * time[:, None, None] * forward, rotations=None, rate=100.0)
+    glides = replace(
+        still,
+        positions=still.positions.repeat(41, axis=0) + 0.5 * tall * time[:, None, None] * forward,
+        rotations=None,
+        rate=100.0,
+    )
     found = change(glides)
-    np.testing.assert_allclose(found, np.broadcast_to([*np.zeros(len(GROUPS.parts) * 7), 0, 0, 0.5, 0], found.shape), atol=1e-9)
+    np.testing.assert_allclose(
+        found, np.broadcast_to([*np.zeros(len(GROUPS.parts) * 7), 0, 0, 0.5, 0], found.shape), atol=1e-9
+    )
     spins = replace(glides, positions=np.einsum("fab,jb->fja", turns, still.positions[0] - still.positions[0, 0]))
     np.testing.assert_allclose(change(spins)[:, -4:], spun(41), atol=1e-9)
 

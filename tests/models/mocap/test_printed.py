@@ -55,7 +55,9 @@ def test_the_eigenvector_with_its_sign_turned_is_as_good_and_gives_other_feature
 
 
 def test_the_seventh_printed_feature_follows_from_the_first_three():
-    """e has unit length, so that the norm of its linear part is sqrt(1 - |omega|^2): seven numbers, five degrees of freedom."""
+    """e has unit length, so that the norm of its linear part is sqrt(1 - |omega|^2): seven numbers, five degrees of
+    freedom.
+    """
     moved = poses(20, 0)
     lengths = features.reference_lengths([moved], GROUPS)
     for part in features.of_motion(moved, GROUPS, lengths, Features(kind="thesis")).values():
@@ -63,9 +65,13 @@ def test_the_seventh_printed_feature_follows_from_the_first_three():
 
 
 def test_the_precision_of_a_cluster_has_the_mean_that_w_is_named_for():
-    """(5.9): with scale (beta W)^-1 the mean precision is W^-1; with the printed beta W^-1 it is beta^2 times as much."""
+    """(5.9): with scale (beta W)^-1 the mean precision is W^-1; with the printed beta W^-1 it is beta^2 times
+    as much.
+    """
     w, beta = np.array([[2.0, 0.5], [0.5, 1.0]]), 6.0
-    root = NormalWishart(*(np.repeat(a, 20000, axis=0) for a in (np.zeros((1, 2)), [1.0], [beta], beta * w[None]))).sample(np.random.default_rng(2))[1]
+    root = NormalWishart(
+        *(np.repeat(a, 20000, axis=0) for a in (np.zeros((1, 2)), [1.0], [beta], beta * w[None]))
+    ).sample(np.random.default_rng(2))[1]
     mean = (root @ root.swapaxes(1, 2)).mean(axis=0)
     np.testing.assert_allclose(mean, np.linalg.inv(w), rtol=0.05)
     np.testing.assert_allclose(wishart(beta, beta * np.linalg.inv(w)).mean(), beta**2 * np.linalg.inv(w))
@@ -81,19 +87,26 @@ def test_the_unit_of_a_group_makes_no_difference(shifts, rule):
 
 
 def test_of_bare_densities_the_sharpest_group_decides_alone():
-    """Two groups say the first action, the third one, measured in a smaller unit, the second; all mixed by equal preferences."""
+    """Two groups say the first action, the third one, measured in a smaller unit, the second; all mixed by equal
+    preferences.
+    """
     posterior = np.log([[[0.9, 0.9, 0.4], [0.1, 0.1, 0.6]]])
     bare = logsumexp(posterior + [0.0, 0.0, 20.0], axis=2)
     model = Model(tuple("ab"), tuple("xyz"), (), (), np.ones((2, 3)))
     assert bare.argmax(axis=1) == [1]
-    assert recognition.frame_posteriors(model, posterior + [0.0, 0.0, 20.0], Decision(rule="preferences")).argmax(axis=1) == [0]
+    assert recognition.frame_posteriors(model, posterior + [0.0, 0.0, 20.0], Decision(rule="preferences")).argmax(
+        axis=1
+    ) == [0]
 
 
 def test_single_frames_and_whole_clips_are_two_figures():
-    """Table 5.1 sets frames of one method beside sequences of the other: of frames six in ten are right here, of clips all."""
+    """Table 5.1 sets frames of one method beside sequences of the other: of frames six in ten are right here, of clips
+    all.
+    """
     rng, truth, clip = np.random.default_rng(5), np.repeat(np.arange(5), 60), np.repeat(np.arange(5), 60)
     posterior = rng.dirichlet(np.ones(5), 300) + np.eye(5)[truth] * 0.3
     log_posterior = np.log(posterior / posterior.sum(axis=1, keepdims=True))
     frames = (log_posterior.argmax(axis=1) == truth).mean()
     answer = recognition.answer(log_posterior, np.zeros((300, 5)), clip, 5, Decision())
-    assert 0.5 < frames < 0.8 and (answer.action == np.arange(5)).all()
+    assert 0.5 < frames < 0.8
+    assert (answer.action == np.arange(5)).all()

@@ -27,7 +27,11 @@ def collected(settings, actors, frames=40):
     lengths = features.reference_lengths(motions, GROUPS)
     found = [features.of_motion(motion, GROUPS, lengths, settings) for motion in motions]
     action = np.repeat(np.arange(len(NAMES)), frames * len(actors))
-    return {group: np.concatenate([part[group] for part in found]) for group in found[0]}, action, np.repeat(np.arange(len(motions)), frames)
+    return (
+        {group: np.concatenate([part[group] for part in found]) for group in found[0]},
+        action,
+        np.repeat(np.arange(len(motions)), frames),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +52,9 @@ def test_people_never_seen_are_recognised(learnt, asked, rule):
     density = recognition.log_densities(learnt, x)
     posterior = recognition.frame_posteriors(learnt, density, decision)
     assert (posterior.argmax(axis=1) == action).mean() > 0.95
-    answer = recognition.answer(posterior, recognition.surprises(learnt, density, decision), clip, clip[-1] + 1, decision)
+    answer = recognition.answer(
+        posterior, recognition.surprises(learnt, density, decision), clip, clip[-1] + 1, decision
+    )
     assert (answer.action == np.repeat(np.arange(len(NAMES)), 4)).all()
     assert (answer.frames == 40).all()
 
@@ -88,7 +94,8 @@ def test_a_group_that_was_not_seen_is_left_out(learnt, asked, rule):
     x["left_arm"][3] = np.nan
     density = recognition.log_densities(learnt, x)
     hidden = [learnt.groups.index("left_arm"), learnt.groups.index("body")]
-    assert np.isnan(density[3][:, hidden]).all() and np.isfinite(np.delete(density[3], hidden, axis=1)).all()
+    assert np.isnan(density[3][:, hidden]).all()
+    assert np.isfinite(np.delete(density[3], hidden, axis=1)).all()
     posterior = recognition.frame_posteriors(learnt, density, Decision(rule=rule))
     assert np.isfinite(posterior[3]).all()
     whole = recognition.log_densities(learnt, {group: part[:10] for group, part in asked[0].items()})
@@ -100,7 +107,10 @@ def test_a_frame_that_shows_nothing_has_no_say(learnt, asked):
     for part in x.values():
         part[[2, 5, 8, 9, 10, 11]] = np.nan
     density, decision = recognition.log_densities(learnt, x), Decision()
-    posterior, surprise = recognition.frame_posteriors(learnt, density, decision), recognition.surprises(learnt, density, decision)
+    posterior, surprise = (
+        recognition.frame_posteriors(learnt, density, decision),
+        recognition.surprises(learnt, density, decision),
+    )
     query = np.repeat([0, 1], [8, 4])
     answer = recognition.answer(posterior, surprise, query, 2, decision)
     kept = [0, 1, 3, 4, 6, 7]
@@ -108,7 +118,8 @@ def test_a_frame_that_shows_nothing_has_no_say(learnt, asked):
     assert answer.frames.tolist() == [6, 0]
     np.testing.assert_allclose(answer.posterior[0], alone.posterior[0])
     np.testing.assert_allclose(answer.posterior[1], 1 / len(NAMES))
-    assert answer.action[1] == NONE and np.isnan(answer.surprise[1])
+    assert answer.action[1] == NONE
+    assert np.isnan(answer.surprise[1])
 
 
 @RULES
@@ -116,9 +127,13 @@ def test_poses_alone_are_what_a_model_that_knows_no_motion_says(learnt, asked, r
     density = recognition.log_densities(learnt, asked[0])
     alone = recognition.frame_posteriors(learnt, recognition.poses_alone(learnt, density), Decision(rule=rule))
     still = {group: np.full_like(x, np.nan) if group == MOTION else x for group, x in asked[0].items()}
-    np.testing.assert_array_equal(alone, recognition.frame_posteriors(learnt, recognition.log_densities(learnt, still), Decision(rule=rule)))
+    np.testing.assert_array_equal(
+        alone, recognition.frame_posteriors(learnt, recognition.log_densities(learnt, still), Decision(rule=rule))
+    )
     assert np.abs(alone - recognition.frame_posteriors(learnt, density, Decision(rule=rule))).max() > 0.01
-    strange = (recognition.surprises(learnt, d, Decision()) for d in (density, recognition.poses_alone(learnt, density)))
+    strange = (
+        recognition.surprises(learnt, d, Decision()) for d in (density, recognition.poses_alone(learnt, density))
+    )
     np.testing.assert_allclose(*strange)
 
 
@@ -138,7 +153,11 @@ def test_what_is_unlike_all_actions_is_none(learnt, asked):
     x, _, clip = asked
     density = recognition.log_densities(learnt, x)
     known = recognition.answer(
-        recognition.frame_posteriors(learnt, density, decision), recognition.surprises(learnt, density, decision), clip, 12, decision
+        recognition.frame_posteriors(learnt, density, decision),
+        recognition.surprises(learnt, density, decision),
+        clip,
+        12,
+        decision,
     )
     limit = recognition.threshold(known.surprise, decision)
     motion = poses(30, 5, spread=1.2)
@@ -160,13 +179,17 @@ def test_what_is_unlike_all_actions_is_none(learnt, asked):
 def test_a_model_survives_as_arrays(learnt, asked):
     again = behaviours.of_arrays(behaviours.arrays(learnt))
     assert (again.actions, again.groups) == (learnt.actions, learnt.groups)
-    np.testing.assert_array_equal(recognition.log_densities(again, asked[0]), recognition.log_densities(learnt, asked[0]))
+    np.testing.assert_array_equal(
+        recognition.log_densities(again, asked[0]), recognition.log_densities(learnt, asked[0])
+    )
 
 
 def test_the_same_seed_learns_the_same(asked):
     x, action, _ = asked
     settings = Learning(frames=30, mixture=Mixture(sweeps=4, burn_in=2, thin=1))
-    one, other, third = (behaviours.train(x, action, NAMES, settings, np.random.default_rng(seed)) for seed in (1, 1, 2))
+    one, other, third = (
+        behaviours.train(x, action, NAMES, settings, np.random.default_rng(seed)) for seed in (1, 1, 2)
+    )
     for name, array in behaviours.arrays(one).items():
         np.testing.assert_array_equal(array, behaviours.arrays(other)[name])
     assert (one.alpha != third.alpha).any()
@@ -186,8 +209,10 @@ def test_the_spread_between_people_is_the_convolution_with_it():
 def test_windows_cover_a_take(frames, width, step):
     found = recognition.windows(frames, width, step)
     assert ((found[:, 1] - found[:, 0]) == min(width, frames)).all()
-    assert found[0, 0] == 0 and found[-1, 1] == frames
-    assert (np.diff(found[:, 0]) > 0).all() and (np.diff(found[:, 0]) <= step).all()
+    assert found[0, 0] == 0
+    assert found[-1, 1] == frames
+    assert (np.diff(found[:, 0]) > 0).all()
+    assert (np.diff(found[:, 0]) <= step).all()
 
 
 @given(st.integers(0, 2**31), st.integers(1, 8))
@@ -219,7 +244,10 @@ def test_a_group_that_is_never_seen_is_refused(asked):
 
 def test_printed_features_can_be_learnt_too():
     settings = Learning(
-        frames=60, spread=0.0, features=Features(kind="thesis", projection="standard", body=False), mixture=Mixture(sweeps=6, burn_in=3)
+        frames=60,
+        spread=0.0,
+        features=Features(kind="thesis", projection="standard", body=False),
+        mixture=Mixture(sweeps=6, burn_in=3),
     )
     x, action, _ = collected(settings.features, range(3))
     model = behaviours.train(x, action, NAMES, settings, np.random.default_rng(0))

@@ -9,7 +9,9 @@ from ipcli.errors import ParameterError
 from ipcli.models.mocap import splits
 
 COUNTS = np.array([5, 3, 8, 2, 9, 4, 6, 7])
-FRAMES = splits.Frames(np.repeat(np.arange(8), COUNTS), np.array(list("aabbaabb")), np.array(["x", "y", "x", "y", "z", "z", "z", "x"]))
+FRAMES = splits.Frames(
+    np.repeat(np.arange(8), COUNTS), np.array(list("aabbaabb")), np.array(["x", "y", "x", "y", "z", "z", "z", "x"])
+)
 PUBLISHED = {"01": np.array([1, 2, 1, 2, 0, 1, 2, 1]), "02": np.array([2, 1, 2, 1, 1, 2, 1, 0])}
 
 
@@ -25,7 +27,8 @@ def actors_of(rows):
 def test_both_sides_are_disjoint_and_never_empty(kind):
     for split in make(kind):
         assert not (split.train & split.test).any()
-        assert split.train.any() and split.test.any()
+        assert split.train.any()
+        assert split.test.any()
         if kind != "published":
             assert (split.train | split.test).all()
 
