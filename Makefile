@@ -31,4 +31,4 @@ $(INSTALLED): pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $@
 
--include experiments/*.mk
+-include experiments/*/*.mk benchmarks/*.mk

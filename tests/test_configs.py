@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from ipcli import params
-from ipcli.stages import fuse_depth, mocap_train
+from ipcli.stages.fusion import fuse_depth
+from ipcli.stages.mocap import mocap_train
 
 CONFIGS = Path(__file__).parent.parent / "configs"
 CLASSES = {"fuse-depth": fuse_depth.Params, "mocap-train": mocap_train.Params}

@@ -21,19 +21,22 @@ from ipcli.cli import main as cli
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "ipcli"
 MODULES = sorted(PACKAGE.rglob("*.py"))
-GROUND = {"__init__", "errors", "schema", "params", "provenance", "rng", "executor"}
+GROUND = {"__init__", "errors", "schema", "params", "provenance", "rng", "executor", "threads"}
+MATHEMATICS = {"geometry", "kernels", "errors", "params", "rng", "threads"}
 MAY_IMPORT = {
     "kernels": {"__init__"},  # the version, for the cache; a cached kernel must not depend on another file
-    "geometry": {"geometry", "kernels", "errors"},
-    "inverse": {"inverse", "geometry", "kernels", "errors", "params", "rng"},
-    "models": {"models", "inverse", "geometry", "kernels", "errors", "params", "rng"},
-    "io": {"io", "geometry", *GROUND},
-    "report": {"report", "io", "geometry", *GROUND},
-    "stages": {"stages", "models", "report", "io", "inverse", "geometry", "kernels", *GROUND},
+    "geometry": {"geometry", "kernels", "errors", "threads"},
+    "measurements": {"measurements", "geometry", "errors"},
+    "inverse": {"inverse", *MATHEMATICS},
+    "models": {"models", "inverse", "measurements", *MATHEMATICS},
+    "io": {"io", "measurements", "geometry", *GROUND},
+    "report": {"report", "io", "measurements", "geometry", *GROUND},
+    "stages": {"stages", "models", "report", "io", "inverse", "measurements", "geometry", "kernels", *GROUND},
     "cli": {"cli", "stages", *GROUND},
     "__main__": {"cli"},
     **{name: GROUND for name in GROUND},
 }
+CHAPTERS = {"fusion", "mocap", "gaze", "saliency", "animal", "brdf"}
 HEAVY = {
     "numba",
     "scipy",
@@ -69,7 +72,7 @@ def tree(path):
 
 
 def floor(dotted):
-    """`ipcli.io.h5` -> io; `ipcli.__version__` -> __init__."""
+    """`ipcli.io.files.h5` -> io; `ipcli.__version__` -> __init__."""
     parts = dotted.split(".")
     inside = len(parts) > 1 and ((PACKAGE / parts[1]).is_dir() or (PACKAGE / f"{parts[1]}.py").is_file())
     return parts[1] if inside else "__init__"
@@ -88,15 +91,32 @@ def test_imports_go_downward_only(path):
 
 
 @each_module
-def test_commands_do_not_import_each_other_and_io_knows_of_geometry_cameras_and_skeletons_only(path):
+def test_commands_do_not_import_each_other(path):
     here = floor(name_of(path))
     own = [dotted for dotted in imports(ast.walk(tree(path))) if dotted.startswith("ipcli.")]
     if here == "cli" and path.stem != "main":
         assert all(d.startswith("ipcli.cli.options") or d == "ipcli.cli.options" for d in own if floor(d) == "cli")
-    if here == "io":
-        assert all(
-            d.startswith(("ipcli.geometry.cameras", "ipcli.geometry.skeleton")) for d in own if floor(d) == "geometry"
-        )
+
+
+def chapter(dotted):
+    """`ipcli.models.fusion.fuse` -> fusion; None outside the folders of chapters."""
+    parts = dotted.split(".")
+    return parts[2] if len(parts) > 2 and parts[2] in CHAPTERS and parts[1] != "io" else None
+
+
+@each_module
+def test_no_chapter_imports_another(path):
+    here = chapter(name_of(path))
+    if here:
+        others = {chapter(dotted) for dotted in imports(ast.walk(tree(path))) if dotted.startswith("ipcli.")}
+        assert others <= {here, None}
+
+
+@each_module
+def test_a_kit_knows_of_no_chapter(path):
+    if "kit" in path.parts:
+        found = [dotted for dotted in imports(ast.walk(tree(path))) if dotted.startswith("ipcli.")]
+        assert [dotted for dotted in found if chapter(dotted)] == []
 
 
 @each_module
@@ -104,7 +124,7 @@ def test_libraries_stay_where_they_belong(path):
     here, roots = floor(name_of(path)), {dotted.split(".")[0] for dotted in imports(ast.walk(tree(path)))}
     assert "click" not in roots or here == "cli"
     assert "numba" not in roots or here == "kernels"
-    assert "h5py" not in roots or path == PACKAGE / "io" / "h5.py"
+    assert "h5py" not in roots or path == PACKAGE / "io" / "files" / "h5.py"
     if here in GROUND:
         assert roots <= {"ipcli", "numpy", "distributed", *sys.stdlib_module_names}
 

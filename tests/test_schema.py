@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 
 from ipcli import schema
-from tests.artefacts import artefacts
+from tests.fixtures.artefacts import artefacts
 
 KINDS = list(schema.KINDS.values())
 

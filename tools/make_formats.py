@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ipcli import schema
-from ipcli.io import atomic
+from ipcli.io.files import atomic
 
 if __name__ == "__main__":
     atomic.write_text(Path(__file__).resolve().parent.parent / "docs" / "formats.md", schema.markdown())

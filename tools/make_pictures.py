@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 
 from ipcli.geometry.surface import normals
-from ipcli.io import atomic, h5
-from ipcli.report import pictures, surface
+from ipcli.io.files import atomic, h5
+from ipcli.report.kit import pictures, surface
 
 ROOT = Path(__file__).resolve().parent.parent
 DEMO = ROOT / "build" / "demo"

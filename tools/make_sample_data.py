@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.geometry.cameras import rays
-from ipcli.io.atomic import write_text
-from ipcli.io.images import write_depth_png16, write_png
+from ipcli.io.files.atomic import write_text
+from ipcli.io.files.images import write_depth_png16, write_png
 from ipcli.rng import stream
 
 SEED = 4

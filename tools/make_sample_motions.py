@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ipcli.io.atomic import write_text
+from ipcli.io.files.atomic import write_text
 from ipcli.rng import stream
 
 SEED, RATE, SECONDS, TAKES = 11, 30.0, 2.0, 3

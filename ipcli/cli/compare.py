@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.compare import Params
+from ipcli.stages.fusion.compare import Params
 
 
 @click.command("compare")
@@ -24,7 +24,7 @@ def main(files: tuple[Path, ...], output: Path, params: Params, run: Run) -> Non
     A file's scene is its name up to the first dot. Beside the output come a page to open (.html) and all figures (.csv,
     .json).
     """
-    from ipcli.stages import compare
+    from ipcli.stages.fusion import compare
 
     compare.run(files, output, params, run)
     options.conclude(output, run)

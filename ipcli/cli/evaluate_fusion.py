@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.evaluate_fusion import Params
+from ipcli.stages.fusion.evaluate_fusion import Params
 
 
 @click.command("evaluate-fusion")
@@ -27,7 +27,7 @@ def main(views: Path, output: Path, tuning: Path | None, params: Params, run: Ru
     Beside the output comes a page with the table, the surfaces in light and what the confidences are worth (.html).
     `ipcli compare` joins several scenes to one table.
     """
-    from ipcli.stages import evaluate_fusion
+    from ipcli.stages.fusion import evaluate_fusion
 
     with options.progress("evaluate-fusion", run) as tell:
         evaluate_fusion.run(views, output, params, run, tuning, tell)

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.fuse_depth import Params
+from ipcli.stages.fusion.fuse_depth import Params
 
 
 @click.command("fuse-depth")
@@ -30,7 +30,7 @@ def main(views: Path, output: Path, params: Params, run: Run) -> None:
     With --all each view is the reference in turn and the output a folder of NAME.fused.h5, which `ipcli merge-depth`
     joins.
     """
-    from ipcli.stages import fuse_depth
+    from ipcli.stages.fusion import fuse_depth
 
     with options.progress("fuse-depth", run) as tell:
         outcomes = (fuse_depth.run_all if params.every else fuse_depth.run)(views, output, params, run, tell)

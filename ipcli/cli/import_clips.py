@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.import_clips import Params
+from ipcli.stages.mocap.import_clips import Params
 
 
 @click.command("import-clips")
@@ -28,7 +28,7 @@ def main(source: Path, output: Path, params: Params, run: Run) -> None:
     SOURCE is a motion file, a folder or a tar archive of them (labelled by manifest.csv, by HDM05 names, or by folders
     LABEL/ACTOR/), one of the Kinect sets Florence 3D Actions and UTKinect-Action, or another clips artefact.
     """
-    from ipcli.stages import import_clips
+    from ipcli.stages.mocap import import_clips
 
     with options.progress("import-clips", run) as tell:
         import_clips.run(source, output, params, run, tell)

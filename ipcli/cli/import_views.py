@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.import_views import Params
+from ipcli.stages.fusion.import_views import Params
 
 
 @click.command("import-views")
@@ -28,7 +28,7 @@ def main(source: Path, output: Path, params: Params, run: Run) -> None:
     SOURCE is a dense COLMAP workspace, a TUM, Open3D/ICL-NUIM or 7-Scenes recording, a plain folder (depth/, poses.txt,
     intrinsics.txt), or another views artefact.
     """
-    from ipcli.stages import import_views
+    from ipcli.stages.fusion import import_views
 
     with options.progress("import-views", run) as tell:
         import_views.run(source, output, params, run, tell)

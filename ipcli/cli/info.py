@@ -17,7 +17,7 @@ from ipcli.params import Run
 @options.reading
 def main(file: Path, run: Run) -> None:
     """Tell what FILE (an .h5 artefact or a .ply) holds: kind, fields, units, and how it was made."""
-    from ipcli.stages import info
+    from ipcli.stages.kit import info
 
     found = info.run(file)
     if run.json:

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.kitti_views import Params
+from ipcli.stages.fusion.kitti_views import Params
 
 
 @click.command("kitti-views")
@@ -28,7 +28,7 @@ def main(folder: Path, poses: Path, output: Path, params: Params, run: Run) -> N
     Writes the depth maps of both cameras with their poses, one views artefact a scene. Scenes that are there already
     are left alone.
     """
-    from ipcli.stages import kitti_views
+    from ipcli.stages.fusion import kitti_views
 
     with options.progress("kitti-views", run) as tell:
         outcomes = kitti_views.run(folder, poses, output, params, run, tell)

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.merge_depth import Params
+from ipcli.stages.fusion.merge_depth import Params
 
 
 @click.command("merge-depth")
@@ -21,7 +21,7 @@ def main(files: tuple[Path, ...], output: Path, params: Params, run: Run) -> Non
 
     Written are the cloud (.ply), the artefact that vouches for it (.h5) and a page to open (.html).
     """
-    from ipcli.stages import merge_depth
+    from ipcli.stages.fusion import merge_depth
 
     merge_depth.run(files, output, params, run)
     options.conclude(output, run)

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.mocap_classify import Params
+from ipcli.stages.mocap.mocap_classify import Params
 
 
 @click.command("mocap-classify")
@@ -26,7 +26,7 @@ def main(model: Path, clips: tuple[Path, ...], output: Path, params: Params, run
     asks along long takes, second by second. Beside the output come a page to open (.html) and a table (.csv), of
     segments with --window.
     """
-    from ipcli.stages import mocap_classify
+    from ipcli.stages.mocap import mocap_classify
 
     with options.progress("mocap-classify", run) as tell:
         mocap_classify.run(model, clips, output, params, run, tell)

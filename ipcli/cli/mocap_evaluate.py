@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.mocap_evaluate import Params
+from ipcli.stages.mocap.mocap_evaluate import Params
 
 
 @click.command("mocap-evaluate")
@@ -29,7 +29,7 @@ def main(clips: tuple[Path, ...], output: Path, params: Params, run: Run) -> Non
     By default the people who are recognised are not those who are learnt from: that is what figures for new recordings
     must be from. Beside the output comes a page to open (.html).
     """
-    from ipcli.stages import mocap_evaluate
+    from ipcli.stages.mocap import mocap_evaluate
 
     with options.progress("mocap-evaluate", run) as tell:
         mocap_evaluate.run(clips, output, params, run, tell)

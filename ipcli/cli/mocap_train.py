@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.mocap_train import Params
+from ipcli.stages.mocap.mocap_train import Params
 
 
 @click.command("mocap-train")
@@ -25,7 +25,7 @@ def main(clips: tuple[Path, ...], output: Path, params: Params, run: Run) -> Non
     of one skeleton. Beside the output comes a report to open (.html). A run that was killed goes on where it was;
     --executor processes:2 uses two cores.
     """
-    from ipcli.stages import mocap_train
+    from ipcli.stages.mocap import mocap_train
 
     with options.progress("mocap-train", run) as tell:
         mocap_train.run(clips, output, params, run, tell)

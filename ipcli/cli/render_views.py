@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.render_views import Params
+from ipcli.stages.fusion.render_views import Params
 
 
 @click.command("render-views")
@@ -26,7 +26,7 @@ def main(mesh: Path, output: Path, params: Params, run: Run) -> None:
     """Render depth maps of MESH (PLY or OBJ) along a camera path, with noise if wanted; the true depth stays
     with them.
     """
-    from ipcli.stages import render_views
+    from ipcli.stages.fusion import render_views
 
     with options.progress("render-views", run) as tell:
         render_views.run(mesh, output, params, run, tell)

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.report import Params
+from ipcli.stages.kit.report import Params
 
 
 @click.command("report")
@@ -20,7 +20,7 @@ from ipcli.stages.report import Params
 @options.common
 def main(file: Path, output: Path | None, params: Params, run: Run) -> None:
     """Draw the artefact FILE (a fused depth map, or views) as one self-contained HTML page."""
-    from ipcli.stages import report
+    from ipcli.stages.kit import report
 
     output = output or file.with_suffix(".html")
     outcome = report.run(file, output, params, run)

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.tune_fusion import Params
+from ipcli.stages.fusion.tune_fusion import Params
 
 
 @click.command("tune-fusion")
@@ -25,7 +25,7 @@ def main(files: tuple[Path, ...], output: Path, params: Params, run: Run) -> Non
     the output comes a page with the curves (.html). evaluate-fusion reports the methods at their best lambda on other
     scenes.
     """
-    from ipcli.stages import tune_fusion
+    from ipcli.stages.fusion import tune_fusion
 
     with options.progress("tune-fusion", run) as tell:
         tune_fusion.run(files, output, params, run, tell)

@@ -7,8 +7,8 @@ of a BVH joint at the joint itself. What was not seen is NaN, and nothing is eve
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -62,42 +62,6 @@ class Skeleton:
         while self.parents[chain[-1]] != NO_PARENT:
             chain.append(self.parents[chain[-1]])
         return tuple(chain)
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """Joint positions over time at a constant rate, with the joints' frames where the format has them."""
-
-    skeleton: Skeleton
-    positions: np.ndarray  # (f, j, 3) float64, metres, NaN = not seen
-    rate: float  # frames a second
-    rotations: np.ndarray | None = None  # (f, j, 3, 3) float64, world_from_bone
-
-
-@dataclass(frozen=True, eq=False)
-class Clip:
-    """A motion with what is known of it; "" where nothing is."""
-
-    name: str
-    motion: Motion
-    label: str = ""
-    actor: str = ""
-    frame_labels: np.ndarray | None = None  # (f,) str
-
-
-@dataclass(frozen=True)
-class Clips:
-    """Clips of one skeleton in order, each read only when asked for. Labels and actors are known before."""
-
-    names: tuple[str, ...]
-    labels: tuple[str, ...]
-    actors: tuple[str, ...]
-    skeleton: Skeleton
-    load: Callable[[str], Clip]
-    files: Callable[[str], tuple[Path, ...]]  # what a clip is made of, for the provenance
-    splits: Mapping[str, np.ndarray] = field(
-        default_factory=dict
-    )  # published ones: name -> (clips,) of TRAIN, TEST or 0
 
 
 @dataclass(frozen=True)
@@ -165,62 +129,3 @@ def forward_kinematics(
             turned[:, joint] = turned[:, parent] @ rotations[:, joint]
             moved[:, joint] = moved[:, parent] + (turned[:, parent] @ translations[:, joint, :, None])[..., 0]
     return turned, moved
-
-
-def check(motion: Motion, where: str | Path) -> Motion:
-    """The motion if it is sound, else FormatError naming the place: shapes, finite or NaN, rotations that rotate, a
-    rate.
-    """
-    skeleton, positions = motion.skeleton, motion.positions
-    _check_skeleton(skeleton, where)
-    if positions.ndim != 3 or positions.shape[1:] != (len(skeleton.joints), 3):
-        expected, fix = (
-            f"(frames, {len(skeleton.joints)}, 3)",
-            "Give x, y, z of every joint in every frame, NaN where unknown",
-        )
-        raise FormatError(where, "positions have the wrong shape", expected=expected, got=positions.shape, fix=fix)
-    if not len(positions):
-        raise FormatError(where, "no frames", expected="at least one", fix="Leave out empty recordings")
-    if np.isinf(positions).any():
-        frame, joint, _ = np.argwhere(np.isinf(positions))[0]
-        at = f"frame {frame}, joint '{skeleton.joints[joint]}'"
-        raise FormatError(where, f"an infinite position at {at}", fix="Mark what is not known as NaN")
-    if np.isnan(positions).all():
-        raise FormatError(where, "no joint is known in any frame", fix="Check the columns, or leave the recording out")
-    if not (np.isfinite(motion.rate) and motion.rate > 0):
-        raise FormatError(
-            where, "no frame rate", expected="> 0 Hz", got=motion.rate, fix="Give the rate with --source-rate"
-        )
-    if motion.rotations is not None:
-        _check_rotations(motion, where)
-    return motion
-
-
-def _check_skeleton(skeleton: Skeleton, where: str | Path) -> None:
-    if len(set(skeleton.joints)) < len(skeleton.joints):
-        twice = next(name for name in skeleton.joints if skeleton.joints.count(name) > 1)
-        raise FormatError(where, f"two joints are named '{twice}'", fix="Give each joint its own name")
-    if len(skeleton.parents) != len(skeleton.joints) or not all(
-        -1 <= p < len(skeleton.joints) for p in skeleton.parents
-    ):
-        expected = f"{len(skeleton.joints)} indices of joints, -1 for none"
-        raise FormatError(
-            where, "parents do not fit the joints", expected=expected, got=skeleton.parents, fix="Check the parents"
-        )
-    skeleton.from_root()
-
-
-def _check_rotations(motion: Motion, where: str | Path) -> None:
-    rotations, expected = motion.rotations, (*motion.positions.shape, 3)
-    if rotations.shape != expected:
-        raise FormatError(
-            where, "rotations have the wrong shape", expected=expected, got=rotations.shape, fix="Give 3 x 3 matrices"
-        )
-    product = np.swapaxes(rotations, -1, -2) @ rotations
-    with np.errstate(invalid="ignore"):
-        bad = (np.abs(product - np.eye(3)).max(axis=(-2, -1)) > RIGID_TOLERANCE) | (np.linalg.det(rotations) < 0)
-    if bad.any():
-        frame, joint = np.argwhere(bad)[0]
-        at = f"frame {frame}, joint '{motion.skeleton.joints[joint]}'"
-        fix = "Check the order of the numbers, and that no scale or mirror image is in them"
-        raise FormatError(where, f"a matrix that is no rotation at {at}", expected="R^T R = I, det R = 1", fix=fix)

@@ -14,8 +14,8 @@ def normals(depth: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
     From central differences of the points; one-sided at the border, beside a gap, and where one side is more than twice
     as long as the other, so that normals do not smear over an edge.
     """
+    from ipcli import threads
     from ipcli.kernels import surface as kernels
-    from ipcli.kernels import threads
 
     out = np.empty((*depth.shape, 3), np.float32)
     inverse = np.linalg.inv(intrinsics)

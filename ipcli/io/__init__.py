@@ -1,1 +1,1 @@
-"""One file a format. Only stages and report import this folder; atomic.py is the only writer."""
+"""Readers and writers, a folder a family of data. Only stages, report and api import this folder."""

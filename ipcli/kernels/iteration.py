@@ -11,7 +11,7 @@ The two half steps take any proximal map between them. With absolute deviations,
 iterations in one pass over the rows, so that most of them find their rows in the cache. Observations are laid out as in
 `fidelity`.
 
-Threads call these kernels on blocks of rows (`ipcli.kernels.threads`); none of them starts threads of its own.
+Threads call these kernels on blocks of rows (`ipcli.threads`); none of them starts threads of its own.
 """
 
 import numpy as np

@@ -8,16 +8,16 @@ from importlib import import_module
 from ipcli.errors import ParameterError
 
 PAGES = {
-    "clips": "ipcli.report.clips",
-    "behaviours": "ipcli.report.mocap_train",
-    "cloud": "ipcli.report.merge_depth",
-    "comparison": "ipcli.report.compare",
-    "depth": "ipcli.report.fuse_depth",
-    "evaluation": "ipcli.report.mocap_evaluate",
-    "recognition": "ipcli.report.mocap_classify",
-    "trials": "ipcli.report.evaluate_fusion",
-    "tuning": "ipcli.report.tune_fusion",
-    "views": "ipcli.report.views",
+    "clips": "ipcli.report.mocap.clips",
+    "behaviours": "ipcli.report.mocap.behaviours",
+    "cloud": "ipcli.report.fusion.fusion_cloud",
+    "comparison": "ipcli.report.fusion.fusion_comparison",
+    "depth": "ipcli.report.fusion.fused_depth",
+    "evaluation": "ipcli.report.mocap.action_evaluation",
+    "recognition": "ipcli.report.mocap.recognition",
+    "trials": "ipcli.report.fusion.fusion_trials",
+    "tuning": "ipcli.report.fusion.fusion_tuning",
+    "views": "ipcli.report.fusion.views",
 }
 
 

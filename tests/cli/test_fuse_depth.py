@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from ipcli.cli.main import fuse_depth, main
-from ipcli.io import h5
-from tests.fusion_scenes import pose_at, scene, write
+from ipcli.io.files import h5
+from tests.fixtures.fusion_scenes import pose_at, scene, write
 
 QUICK = ["--set", "fusion.solver.iterations=100", "--rounds", "1"]
 

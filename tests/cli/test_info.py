@@ -7,7 +7,7 @@ import pytest
 
 from ipcli import provenance, schema
 from ipcli.cli.main import main
-from ipcli.io import h5, ply
+from ipcli.io.files import h5, ply
 
 
 @pytest.fixture

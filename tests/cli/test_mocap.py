@@ -11,11 +11,11 @@ import pytest
 
 from ipcli import schema
 from ipcli.cli.main import main, mocap_classify, mocap_train
-from ipcli.geometry.motion import mirrored
-from ipcli.geometry.skeleton import Clip, Motion, Skeleton
-from ipcli.io import h5
-from tests.mocap_bodies import ACTIONS, GROUPS
-from tests.mocap_clips import QUICK, clip, every, take, write, write_groups
+from ipcli.geometry.skeleton import Skeleton
+from ipcli.io.files import h5
+from ipcli.measurements.motions import Clip, Motion, mirrored
+from tests.fixtures.mocap_bodies import ACTIONS, GROUPS
+from tests.fixtures.mocap_clips import QUICK, clip, every, take, write, write_groups
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ipcli.cli.main import main
-from ipcli.io import sequences
+from ipcli.io.views import layouts
 
 SHAPES = Path(__file__).parents[2] / "sample_data" / "shapes"
 
@@ -29,7 +29,7 @@ def test_import_views_writes_a_window_of_the_sample_and_prints_its_path(tmp_path
     ]
     assert main(arguments) == 0
     assert capsys.readouterr().out == f"{output}\n"
-    sequence = sequences.open(output)
+    sequence = layouts.open_views(output)
     assert sequence.names == ("004", "005", "006")
     assert sequence.load("005").truth is not None
     assert main([*arguments, "--json"]) == 0  # up to date
@@ -56,8 +56,8 @@ def test_import_views_fails_in_one_line_with_the_right_code(tmp_path, capsys, ar
 
 
 def test_kitti_views_reports_every_scene(tmp_path, capsys, monkeypatch):
-    from ipcli.stages import kitti_views
-    from ipcli.stages.artefact import Outcome
+    from ipcli.stages.fusion import kitti_views
+    from ipcli.stages.kit.artefact import Outcome
 
     seen = {}
 

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from ipcli.io import atomic, h5, ply
-from tests.fusion_scenes import scene, write
+from ipcli.io.files import atomic, h5, ply
+from tests.fixtures.fusion_scenes import scene, write
 
 ROOT = Path(__file__).parents[2]
 SUFFIXES = (".h5", ".ply", ".html")

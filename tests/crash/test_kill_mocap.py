@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from ipcli.cli.main import main
-from tests.mocap_clips import QUICK, every, write, write_groups
+from tests.fixtures.mocap_clips import QUICK, every, write, write_groups
 
 ROOT = Path(__file__).parents[2]
 SUFFIXES = (".h5", ".html")

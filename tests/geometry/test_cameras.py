@@ -8,7 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipcli.errors import FormatError, ParameterError
-from ipcli.geometry.cameras import View, back_project, check, project, rays, relative, transform, window
+from ipcli.geometry.cameras import back_project, project, rays, transform
+from ipcli.measurements.names import window
+from ipcli.measurements.views import View, check_view, relative
 
 INTRINSICS = np.array([[310.0, 0.4, 20.3], [0.0, 290.0, 14.6], [0.0, 0.0, 1.0]])
 
@@ -87,7 +89,7 @@ def test_sound_views_pass_the_check():
         "truth": seen.depth,
     }
     full = replace(seen, **companions)
-    assert check(full) is full
+    assert check_view(full) is full
 
 
 def changed(array: np.ndarray, index, value) -> np.ndarray:
@@ -146,6 +148,6 @@ BAD = {
 @pytest.mark.parametrize(("change", "message"), BAD.values(), ids=BAD)
 def test_unsound_views_are_refused_by_name_with_what_was_expected(change, message):
     with pytest.raises(FormatError, match=message) as refusal:
-        check(view(**change), "poses.txt")
+        check_view(view(**change), "poses.txt")
     assert str(refusal.value).startswith("poses.txt: view 'left': ")
     assert "\n" not in str(refusal.value)

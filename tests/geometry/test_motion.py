@@ -9,9 +9,11 @@ import pytest
 
 from ipcli.errors import ParameterError
 from ipcli.geometry import lie, motion
-from ipcli.geometry.skeleton import Clip, Groups, Motion, Skeleton, forward_kinematics
-from tests.mocap_bodies import GROUPS as BODY
-from tests.mocap_bodies import OFFSETS, poses
+from ipcli.geometry.skeleton import Groups, Skeleton, forward_kinematics
+from ipcli.measurements import motions
+from ipcli.measurements.motions import Clip, Motion
+from tests.fixtures.mocap_bodies import GROUPS as BODY
+from tests.fixtures.mocap_bodies import OFFSETS, poses
 
 SKELETON = Skeleton(("head", "root", "left", "right", "foot"), (1, -1, 1, 1, 2))
 GROUPS = Groups({"all": SKELETON.joints}, "root", ("left",), ("right",), "head", ("foot",))
@@ -29,7 +31,7 @@ def moving(frames: int, rate: float = 120.0) -> Motion:
 @pytest.mark.parametrize("rate", [30.0, 50.0, 120.0, 77.7, 240.0])
 def test_uniform_motion_is_resampled_exactly(rate):
     whole = moving(61)
-    found = motion.resample(whole, rate)
+    found = motions.resample(whole, rate)
     count = int(np.floor(60 / 120 * rate + 1e-9)) + 1
     assert found.rate == rate
     assert len(found.positions) == count
@@ -42,25 +44,25 @@ def test_uniform_motion_is_resampled_exactly(rate):
 
 def test_a_whole_fraction_picks_frames_and_touches_no_bit():
     whole = moving(61)
-    np.testing.assert_array_equal(motion.resample(whole, 40).positions, whole.positions[::3])
-    np.testing.assert_array_equal(motion.resample(whole, 40).rotations, whole.rotations[::3])
+    np.testing.assert_array_equal(motions.resample(whole, 40).positions, whole.positions[::3])
+    np.testing.assert_array_equal(motions.resample(whole, 40).rotations, whole.rotations[::3])
 
 
 def test_next_to_an_unknown_frame_nothing_is_made_up():
     whole = moving(9)
     whole.positions[4, 2] = np.nan
-    found = motion.resample(whole, 240).positions
+    found = motions.resample(whole, 240).positions
     assert np.isnan(found[[7, 8, 9], 2]).all()
     assert np.isfinite(found[[6, 10], 2]).all()
     assert np.isfinite(found[8, [0, 1, 3, 4]]).all()
 
 
 def test_one_frame_stays_one_and_labels_go_along():
-    assert len(motion.resample(moving(1), 30).positions) == 1
+    assert len(motions.resample(moving(1), 30).positions) == 1
     clip = Clip("a", moving(9), frame_labels=np.array(list("aaaabbbbb")))
-    assert "".join(motion.resample_clip(clip, 60).frame_labels) == "aabbb"
+    assert "".join(motions.resample_clip(clip, 60).frame_labels) == "aabbb"
     with pytest.raises(ParameterError, match="rate 0 Hz"):
-        motion.resample(moving(3), 0)
+        motions.resample(moving(3), 0)
 
 
 def test_forward_kinematics_of_joints_in_any_order_is_the_product_of_the_chain():
@@ -77,17 +79,23 @@ def test_bones_heading_and_height_do_not_feel_where_the_body_is():
     body = Motion(SKELETON, rng.normal(size=(7, 5, 3)), 30)
     about_y, shift = lie.exp(np.array([0, 0.7, 0])), np.array([3.0, -1, 2])
     moved = Motion(SKELETON, body.positions @ about_y.T + shift, 30)
-    np.testing.assert_allclose(motion.bone_lengths(moved), motion.bone_lengths(body), atol=1e-12)
-    np.testing.assert_allclose(motion.heading(moved, GROUPS), about_y @ motion.heading(body, GROUPS), atol=1e-12)
-    lengths = motion.bone_lengths(body)
-    assert motion.body_height(body, GROUPS) == pytest.approx(lengths[[0, 2, 4]].sum())
+    np.testing.assert_allclose(
+        motion.bone_lengths(SKELETON, moved.positions), motion.bone_lengths(SKELETON, body.positions), atol=1e-12
+    )
+    np.testing.assert_allclose(
+        motion.heading(SKELETON, moved.positions, GROUPS),
+        about_y @ motion.heading(SKELETON, body.positions, GROUPS),
+        atol=1e-12,
+    )
+    lengths = motion.bone_lengths(SKELETON, body.positions)
+    assert motion.body_height(SKELETON, body.positions, GROUPS) == pytest.approx(lengths[[0, 2, 4]].sum())
 
 
 def test_a_body_that_faces_z_has_its_left_at_x_and_one_lying_on_its_side_has_no_heading():
     positions = np.zeros((2, 5, 3))
     positions[0, 2], positions[0, 3] = [0.2, 0.1, 0], [-0.2, 0, 0]
     positions[1, 2], positions[1, 3] = [0, 0.4, 0], [0, 0, 0]
-    found = motion.heading(Motion(SKELETON, positions, 30), GROUPS)
+    found = motion.heading(SKELETON, positions, GROUPS)
     np.testing.assert_allclose(found[0], np.eye(3), atol=1e-15)
     assert np.isnan(found[1, :, 0]).all()
 
@@ -95,7 +103,7 @@ def test_a_body_that_faces_z_has_its_left_at_x_and_one_lying_on_its_side_has_no_
 @pytest.mark.parametrize("up", [(0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0)])
 def test_in_a_mirror_left_and_right_change_places_and_distances_stay(up):
     whole, groups = moving(5), replace(GROUPS, up=up)
-    image = motion.mirrored(whole, groups)
+    image = motions.mirrored(whole, groups)
     left, right = (SKELETON.joints.index(name) for name in ("left", "right"))
     swapped = whole.positions.copy()
     swapped[:, [left, right]] = swapped[:, [right, left]]
@@ -107,7 +115,7 @@ def test_in_a_mirror_left_and_right_change_places_and_distances_stay(up):
         -np.linalg.det(swapped[:, :3] - swapped[:, 3:4]),
     )
     np.testing.assert_allclose(np.linalg.det(image.rotations), 1)
-    again = motion.mirrored(image, groups)
+    again = motions.mirrored(image, groups)
     np.testing.assert_array_equal(again.positions, whole.positions)
     np.testing.assert_array_equal(again.rotations, whole.rotations)
 
@@ -115,7 +123,7 @@ def test_in_a_mirror_left_and_right_change_places_and_distances_stay(up):
 def test_a_mirrored_body_is_put_together_by_the_mirrored_rotations():
     """Of a body that is alike on both sides: kinematics and mirror may change places."""
     whole = poses(6, 1)
-    image = motion.mirrored(whole, BODY)
+    image = motions.mirrored(whole, BODY)
     skeleton, flip = whole.skeleton, np.array([-1.0, 1, 1])
     local = np.stack(
         [

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from ipcli.geometry import raycast
-from ipcli.geometry.cameras import View, check, project, rays, transform
+from ipcli.geometry.cameras import project, rays, transform
 from ipcli.geometry.raycast import Caster, Mesh
+from ipcli.measurements.views import View, check_view
 
 CAMERA = np.array([[144.0, 0, 80], [0, 144.0, 60], [0, 0, 1]])
 SHAPE = (120, 160)
@@ -52,7 +53,7 @@ def test_depth_is_measured_along_the_optical_axis():
 def test_poses_are_rigid_and_the_middle_one_is_the_same_for_any_number(path, views):
     poses = path(views, 2.0)
     for pose in poses:
-        check(View("v", np.ones((2, 2), np.float32), CAMERA, pose))
+        check_view(View("v", np.ones((2, 2), np.float32), CAMERA, pose))
     np.testing.assert_array_equal(poses[(views - 1) // 2], path(1, 1.0)[0])
 
 

@@ -7,7 +7,7 @@ import tarfile
 import numpy as np
 import pytest
 
-from ipcli.geometry.cameras import View
+from ipcli.measurements.views import View
 
 INTRINSICS = np.array([[52.0, 0.0, 15.5], [0.0, 50.0, 11.5], [0.0, 0.0, 1.0]])
 

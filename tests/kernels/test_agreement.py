@@ -5,7 +5,7 @@ import pytest
 
 from ipcli.geometry.cameras import back_project, project, rays, transform
 from ipcli.kernels.agreement import ask
-from tests.fusion_scenes import camera, pose_at
+from tests.fixtures.fusion_scenes import camera, pose_at
 
 TOLERANCE, RELATIVE, COSINE, GRAZING = 2.0, 0.02, 0.3, 0.1
 

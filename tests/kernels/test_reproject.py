@@ -5,7 +5,7 @@ import pytest
 
 from ipcli.geometry.cameras import back_project, project, transform
 from ipcli.kernels.reproject import splat
-from tests.fusion_scenes import camera, pose_at
+from tests.fixtures.fusion_scenes import camera, pose_at
 
 
 def z_buffer(shape, points, intrinsics):

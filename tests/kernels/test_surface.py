@@ -5,7 +5,7 @@ import pytest
 
 from ipcli.geometry.cameras import back_project
 from ipcli.kernels import surface as kernels
-from tests.fusion_scenes import camera
+from tests.fixtures.fusion_scenes import camera
 
 
 def twin(depth, intrinsics):

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipcli.geometry.cameras import back_project, project, relative, transform
-from ipcli.io import sequences
-from ipcli.io.images import read_image
+from ipcli.geometry.cameras import back_project, project, transform
+from ipcli.io.files.images import read_image
+from ipcli.io.views import layouts
+from ipcli.measurements.views import relative
 
 ROOT = Path(__file__).parents[2]
 SHAPES = ROOT / "sample_data" / "shapes"
@@ -28,7 +29,7 @@ def maker():
 
 @pytest.fixture(scope="module")
 def sample():
-    return sequences.open(SHAPES)
+    return layouts.open_views(SHAPES)
 
 
 def content(path: Path) -> bytes:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ipcli.geometry.motion import body_height, bone_lengths, heading
-from ipcli.io import groups
-from ipcli.io.clips import open_clips
+from ipcli.io.motion import groups
+from ipcli.io.motion.layouts import open_clips
 
 ROOT = Path(__file__).parents[2]
 MOTIONS = ROOT / "sample_data" / "motions"
@@ -36,7 +36,7 @@ def loaded(clips):
     found = {}
     for name, label in zip(clips.names, clips.labels, strict=True):
         motion = clips.load(name).motion
-        found.setdefault(label, []).append(motion.positions @ heading(motion, parts)[0])
+        found.setdefault(label, []).append(motion.positions @ heading(motion.skeleton, motion.positions, parts)[0])
     return found
 
 
@@ -64,8 +64,8 @@ def test_people_differ_in_build_and_keep_their_bones(clips):
         motion = clips.load(name).motion
         bones = motion.skeleton.bones()
         lengths = np.linalg.norm(motion.positions[:, bones[:, 1]] - motion.positions[:, bones[:, 0]], axis=-1)
-        assert np.abs(lengths - bone_lengths(motion)[bones[:, 1]]).max() < 1e-12
-        heights.setdefault(actor, set()).add(round(body_height(motion, parts), 9))
+        assert np.abs(lengths - bone_lengths(motion.skeleton, motion.positions)[bones[:, 1]]).max() < 1e-12
+        heights.setdefault(actor, set()).add(round(body_height(motion.skeleton, motion.positions, parts), 9))
     assert all(len(own) == 1 for own in heights.values())
     assert len(set().union(*heights.values())) == 3
     assert all(1.3 < height < 1.8 for own in heights.values() for height in own)

@@ -122,7 +122,7 @@ def _units(
 
 
 def _run(chains: list[Chain], watch: Callable[[State], None] | None, every: int) -> None:
-    from ipcli.kernels import threads
+    from ipcli import threads
 
     while not all(chain.is_done for chain in chains):
         threads.each(lambda chain: chain.advance(every), chains)

@@ -52,8 +52,8 @@ class Observations:
 
         The layers are asked for one by one, so that they need not all be in memory beside the stack.
         """
+        from ipcli import threads
         from ipcli.kernels import fidelity as kernels
-        from ipcli.kernels import threads
 
         stack, sorted_weights = stacked(layers), None if weights is None else stacked(weights)
 

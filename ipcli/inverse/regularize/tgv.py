@@ -60,7 +60,7 @@ class Iterate:
         rows on each side can therefore do n iterations alone before it needs its neighbours' rows again; the result is
         the same, bit by bit, for any number of blocks.
         """
-        from ipcli.kernels import threads
+        from ipcli import threads
 
         solver = self.balanced(solver)
         regulariser = replace(regulariser, alpha1=plane(regulariser.alpha1, self.x.shape))
@@ -154,7 +154,7 @@ def plane(alpha1: float | np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 def _by_rows(sums: Callable[[int, int], np.ndarray], image: np.ndarray) -> float:
     """The sum of a quantity that sums(top, bottom) gives row by row."""
-    from ipcli.kernels import threads
+    from ipcli import threads
 
     return float(np.concatenate(threads.each(lambda rows: sums(*rows), threads.blocks(image.shape[0]))).sum())
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipcli.errors import NoSolution
-from ipcli.geometry.cameras import View
 from ipcli.geometry.surface import normals, normals_of_slopes
 from ipcli.inverse.regularize import tgv
 from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Observations, SquaredDeviations
+from ipcli.measurements.views import View
 from ipcli.models.fusion import confidence as priors
 from ipcli.models.fusion.alternation import ALGORITHMS, START, History, Problem, with_given_confidence
 from ipcli.models.fusion.edges import first_order_weights, image_weights

@@ -12,9 +12,10 @@ from functools import cached_property
 
 import numpy as np
 
+from ipcli import threads
 from ipcli.errors import NoSolution
 from ipcli.geometry.cameras import back_project, transform
-from ipcli.kernels import agreement, threads
+from ipcli.kernels import agreement
 from ipcli.models.fusion.cells import Cells, Points
 from ipcli.models.fusion.observations import MAD_TO_SIGMA, SMALLEST_NOISE
 from ipcli.models.fusion.parameters import Merge

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ipcli import threads
 from ipcli.geometry.surface import normals
-from ipcli.kernels import threads
 
 DEPTH_COLUMNS = ("density %", "RMSE", "MAE", "centred RMSE", "Z-MAE", "N-MAE rad")
 DISPARITY_COLUMNS = ("out-3 %", "D-avg px", "out-3 seen %")

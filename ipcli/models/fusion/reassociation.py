@@ -13,8 +13,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ipcli.geometry.cameras import View, relative
 from ipcli.geometry.surface import normals
+from ipcli.measurements.views import View, relative
 from ipcli.models.fusion.observations import Units
 from ipcli.models.fusion.reprojection import Layers
 
@@ -32,7 +32,7 @@ def reassociate(
     observation stays: it does not rest on the map, and so holds against a map that is wrong, as beside an occlusion. In
     place, the forward projected layers are lost.
     """
-    from ipcli.kernels import threads
+    from ipcli import threads
 
     facing = normals(depth, reference.intrinsics)
     layers = forward if in_place else forward.copy()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipcli.geometry.cameras import View, relative
+from ipcli.measurements.views import View, relative
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ def reproject_all(views: Sequence[View], reference: View) -> Layers:
     """All views in the reference camera; a view without given confidence counts as confidence 1 beside others that have
     one.
     """
-    from ipcli.kernels import threads
+    from ipcli import threads
 
     depth = np.empty((len(views), *reference.depth.shape), np.float32)
 

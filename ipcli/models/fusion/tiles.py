@@ -15,8 +15,8 @@ from itertools import islice, product
 import numpy as np
 
 from ipcli.errors import NoSolution
-from ipcli.geometry.cameras import View
 from ipcli.inverse.regularize.fidelity import Observations
+from ipcli.measurements.views import View
 from ipcli.models.fusion.fuse import Fused, Scale, balanced_lambda, first_pass, fuse, fuse_layers, passes_after_first
 from ipcli.models.fusion.observations import Normalised, measure
 from ipcli.models.fusion.parameters import METHODS, Fusion

@@ -16,14 +16,14 @@ docs/mocap-train.md.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from ipcli.errors import ParameterError
 from ipcli.geometry import lie
 from ipcli.geometry.motion import body_height, bone_lengths, heading, rotations_from_positions
-from ipcli.geometry.skeleton import NO_PARENT, Groups, Motion
+from ipcli.geometry.skeleton import NO_PARENT, Groups
+from ipcli.measurements.motions import Motion
 from ipcli.models.mocap.parameters import MOTION, Features
 
 
@@ -47,12 +47,14 @@ def reference_lengths(motions: Sequence[Motion], groups: Groups) -> np.ndarray:
     """Bone lengths (j,) of a common skeleton of height 1: the median over the motions, each divided by the height of
     its body.
     """
-    return np.nanmedian([bone_lengths(motion) / height(motion, groups) for motion in motions], axis=0)
+    return np.nanmedian(
+        [bone_lengths(motion.skeleton, motion.positions) / height(motion, groups) for motion in motions], axis=0
+    )
 
 
 def height(motion: Motion, groups: Groups) -> float:
     """Height of the body in the unit of the positions. Raises ParameterError if it has none."""
-    found = body_height(motion, groups)
+    found = body_height(motion.skeleton, motion.positions, groups)
     if not found > 0:
         raise ParameterError(
             f"the body has no height between '{groups.top}' and {', '.join(groups.bottom)}: their bones are never seen "
@@ -81,7 +83,7 @@ def repose(motion: Motion, groups: Groups, lengths: np.ndarray) -> np.ndarray:
                 positions[:, joint] - positions[:, parent], lengths[joint]
             )
     root = skeleton.indices([groups.root], groups.source)
-    return (posed - posed[:, root]) @ heading(replace(motion, positions=posed), groups)
+    return (posed - posed[:, root]) @ heading(motion.skeleton, posed, groups)
 
 
 def _direction(bone: np.ndarray, length: float) -> np.ndarray:
@@ -146,7 +148,7 @@ def _aligned(
             if motion.rotations is not None
             else rotations_from_positions(motion.skeleton, motion.positions)
         )
-        turned = np.swapaxes(heading(motion, groups), -1, -2)[:, None] @ rotations
+        turned = np.swapaxes(heading(motion.skeleton, motion.positions, groups), -1, -2)[:, None] @ rotations
     found = {}
     for part, joints in parts.items():
         mean = posed[:, joints].mean(axis=1)
@@ -168,7 +170,7 @@ def _changes(motion: Motion, groups: Groups, features: np.ndarray, reach: float)
     frames = np.arange(len(features))
     step = max(round(reach * motion.rate), 1)
     before, after = np.maximum(frames - step, 0), np.minimum(frames + step, len(frames) - 1)
-    frame = heading(motion, groups)
+    frame = heading(motion.skeleton, motion.positions, groups)
     root = motion.positions[:, motion.skeleton.indices([groups.root], groups.source)[0]] / height(motion, groups)
     moved, ahead = (np.einsum("fji,fj->fi", frame, x[after] - x[before]) for x in (root, frame[:, :, 2]))
     change = np.concatenate([features[after] - features[before], moved, ahead[:, :1]], axis=1)

@@ -9,7 +9,7 @@ from scipy import stats
 from ipcli.inverse.bayes.chain import Chain, log_partition, seeded
 from ipcli.inverse.bayes.hyperparameters import Hyperparameters
 from ipcli.inverse.bayes.parameters import Hyperprior, Mixture
-from tests.inverse.bayes.enumeration import canonical, partitions, posterior
+from tests.fixtures.enumeration import canonical, partitions, posterior
 
 FIXED = Hyperprior(learned=())
 POINTS = np.array([[0.0, 0.1], [0.2, -0.1], [1.9, 2.0], [2.2, 1.7], [0.9, 1.2], [-3.0, 1.0]])

@@ -143,7 +143,7 @@ def test_workers_in_other_processes_give_the_same_bytes():
 
 
 def test_chains_are_the_same_in_any_number_of_threads(monkeypatch):
-    from ipcli.kernels import threads
+    from ipcli import threads
 
     x, _ = planted(80, 3, 3, seed=8)
     wanted = Mixture(sweeps=12, burn_in=4, chains=3)

@@ -19,7 +19,7 @@ from ipcli.inverse.regularize.operators import (
 from ipcli.inverse.regularize.parameters import Regulariser, Solver
 from ipcli.inverse.regularize.pdhg import pdhg
 from ipcli.inverse.regularize.proximal import project_balls
-from tests.inverse.regularize.cone_program import minimum
+from tests.fixtures.cone_program import minimum
 
 TGV, TV = Regulariser(), Regulariser(order=1)
 LAM = 0.4

@@ -6,7 +6,7 @@ import pytest
 from ipcli.errors import ParameterError
 from ipcli.models.fusion import cells
 from ipcli.models.fusion.cells import Cells, Points, joined
-from tests.fusion_scenes import pose_at
+from tests.fixtures.fusion_scenes import pose_at
 
 SPACING = 0.25
 

@@ -5,7 +5,7 @@ import pytest
 
 from ipcli.geometry.cameras import rays
 from ipcli.models.fusion.confidence import LEAST, SHARE, image_edges, uncertainty, view_angle
-from tests.fusion_scenes import camera
+from tests.fixtures.fusion_scenes import camera
 
 K = camera((40, 50))
 

@@ -10,7 +10,7 @@ from ipcli.inverse.regularize.parameters import Regulariser
 from ipcli.models.fusion.edges import BLUR, first_order_weights, image_weights
 from ipcli.models.fusion.fuse import fuse
 from ipcli.models.fusion.parameters import Edges, Fusion
-from tests.fusion_scenes import scene
+from tests.fixtures.fusion_scenes import scene
 
 
 def test_a_plane_gets_the_gain_everywhere_and_a_step_the_share_of_its_height_by_hand():

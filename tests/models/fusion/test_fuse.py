@@ -16,7 +16,7 @@ from ipcli.models.fusion.fuse import balanced_lambda, fuse, fuse_layers
 from ipcli.models.fusion.metrics import ause, normal_error
 from ipcli.models.fusion.parameters import METHODS, Confidence, Fusion
 from ipcli.models.fusion.reprojection import reproject_all
-from tests.fusion_scenes import camera, cast, pose_at, scaled, scene
+from tests.fixtures.fusion_scenes import camera, cast, pose_at, scaled, scene
 
 UNREGULARISED = ("mean", "median")
 QUICK = Solver(iterations=500)

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from ipcli.errors import NoSolution, ParameterError
-from ipcli.geometry.cameras import View, transform
+from ipcli.geometry.cameras import transform
 from ipcli.geometry.surface import normals
+from ipcli.measurements.views import View
 from ipcli.models.fusion.merge import FusedMap, Glance, confirmed, depth_noise, merge, neighbours
 from ipcli.models.fusion.parameters import Merge
-from tests.fusion_scenes import BALL, RADIUS, WALL, pose_at, scene
+from tests.fixtures.fusion_scenes import BALL, RADIUS, WALL, pose_at, scene
 
 NOISE = 0.004  # of the maps, which are fused already
 

@@ -14,7 +14,7 @@ from ipcli.models.fusion.metrics import (
     interpolate_background,
     normal_error,
 )
-from tests.fusion_scenes import camera
+from tests.fixtures.fusion_scenes import camera
 
 
 def test_depth_errors_of_four_pixels_by_hand():

@@ -7,14 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ipcli.geometry.cameras import View, rays
+from ipcli.geometry.cameras import rays
 from ipcli.inverse.regularize.parameters import Solver
+from ipcli.measurements.views import View
 from ipcli.models.fusion.fuse import fuse
 from ipcli.models.fusion.observations import Units
 from ipcli.models.fusion.parameters import Fusion
 from ipcli.models.fusion.reassociation import reassociate
 from ipcli.models.fusion.reprojection import Layers, reproject_all
-from tests.fusion_scenes import WALL, camera, pose_at, scene
+from tests.fixtures.fusion_scenes import WALL, camera, pose_at, scene
 
 SHAPE = (60, 80)
 POSES = [pose_at((0.05 * i, 0.02 * (i % 2), 0.03 * i), 0.03 * i) for i in (-2, -1, 0, 1, 2)]

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ipcli.geometry.cameras import View
+from ipcli.measurements.views import View
 from ipcli.models.fusion.reprojection import reproject, reproject_all
-from tests.fusion_scenes import camera, cast, pose_at
+from tests.fixtures.fusion_scenes import camera, cast, pose_at
 
 FOCAL = np.array([[64.0, 0, 20], [0, 64.0, 15], [0, 0, 1]])
 

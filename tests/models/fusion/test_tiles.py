@@ -10,7 +10,7 @@ from ipcli.inverse.regularize.parameters import Solver
 from ipcli.models.fusion import tiles
 from ipcli.models.fusion.fuse import fuse
 from ipcli.models.fusion.parameters import Confidence, Fusion
-from tests.fusion_scenes import scene
+from tests.fixtures.fusion_scenes import scene
 
 SHAPE = (90, 142)  # no multiple of the side
 EXACT = Fusion(solver=Solver(tolerance=1e-4, iterations=800))

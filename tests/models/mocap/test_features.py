@@ -15,7 +15,7 @@ from ipcli.geometry import lie
 from ipcli.geometry.motion import heading
 from ipcli.models.mocap import features
 from ipcli.models.mocap.parameters import MOTION, Features
-from tests.mocap_bodies import GROUPS, NAMES, OFFSETS, SKELETON, motion, poses
+from tests.fixtures.mocap_bodies import GROUPS, NAMES, OFFSETS, SKELETON, motion, poses
 
 ALIGNED, TURNS, THESIS = Features(motion=0.0), Features(rotation_weight=0.1, motion=0.0), Features(kind="thesis")
 MOVING = Features(motion=0.1)
@@ -211,7 +211,7 @@ def test_a_body_that_glides_and_turns_evenly_changes_by_that_alone():
     still = poses(1, 15)
     time, tall = np.arange(41) / 100, features.height(still, GROUPS)
     turns = Rotation.from_euler("y", time[:, None]).as_matrix()
-    forward = heading(still, GROUPS)[0, :, 2]
+    forward = heading(still.skeleton, still.positions, GROUPS)[0, :, 2]
     glides = replace(
         still,
         positions=still.positions.repeat(41, axis=0) + 0.5 * tall * time[:, None, None] * forward,

@@ -11,7 +11,7 @@ from ipcli.inverse.bayes.normal_wishart import NormalWishart
 from ipcli.models.mocap import features, recognition
 from ipcli.models.mocap.behaviours import Model
 from ipcli.models.mocap.parameters import Decision, Features
-from tests.mocap_bodies import GROUPS, poses
+from tests.fixtures.mocap_bodies import GROUPS, poses
 
 TWIST = np.array([0.4, -0.9, 0.7, 0.5, 0.8, -0.3])
 

@@ -14,7 +14,7 @@ from ipcli.inverse.bayes.predictive import Predictive
 from ipcli.models.mocap import behaviours, features, recognition
 from ipcli.models.mocap.parameters import MOTION, Decision, Features, Learning
 from ipcli.models.mocap.recognition import NONE
-from tests.mocap_bodies import ACTIONS, GROUPS, acted, poses
+from tests.fixtures.mocap_bodies import ACTIONS, GROUPS, acted, poses
 
 QUICK = Learning(frames=150, mixture=Mixture(sweeps=12, burn_in=6, thin=3))
 RULES = pytest.mark.parametrize("rule", ["product", "mean", "preferences"])

@@ -1,0 +1,106 @@
+"""Labelled clips as every method gets them: what each frame is described by, on the skeleton of the people
+learnt from.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ipcli.measurements.motions import mirrored
+from ipcli.models.mocap import features
+from ipcli.models.mocap.parameters import MOTION, Features
+from ipcli.stages.mocap.motions import Motions, Reading, read
+
+RATE = 30.0  # Hz
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Clips of one skeleton, their labels and actors, and the splits that came with them."""
+
+    motions: Motions
+    labels: np.ndarray  # (c,) str
+    actors: np.ndarray  # (c,) str
+    splits: list[np.ndarray]  # (c,) 1 learn, 2 recognise, 0 neither
+    _known: dict[tuple[str, bytes], dict[bool, list[np.ndarray]]] = field(default_factory=dict)
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """Frames (c,) of each clip."""
+        return self.motions.lengths
+
+    @property
+    def classes(self) -> np.ndarray:
+        """The actions, in order."""
+        return np.unique(self.labels)
+
+    def described(self, by: str, train: np.ndarray, mirror: bool = False) -> list[np.ndarray]:
+        """Each clip, or with `mirror` its mirror image, (n, j, 3) by `positions` on the actor's own skeleton of height
+        1, or by `reposed` ones on the common skeleton of the clips train (c,) bool, from the root and facing one way;
+        or by ours (n, w): the features of all groups of joints side by side, of `poses` alone or with their `motion`.
+        """
+        key = (by, b"" if by == "positions" else np.packbits(train).tobytes())
+        if key not in self._known:
+            self._known.clear()
+            self._known[key] = {}
+        found = self._known[key]
+        if mirror not in found:
+            found[mirror] = self._describe(by, train, mirror)
+        return found[mirror]
+
+    def _describe(self, by: str, train: np.ndarray, mirror: bool) -> list[np.ndarray]:
+        groups, clips = self.motions.groups, [clip.motion for clip in self.motions.clips]
+        common = features.reference_lengths([clips[index] for index in np.flatnonzero(train)], groups)
+        clips = [mirrored(clip, groups) for clip in clips] if mirror else clips
+        if by in ("poses", "motion"):
+            settings = Features() if by == "motion" else Features(motion=0.0)
+            return [
+                np.concatenate(list(features.of_motion(clip, groups, common, settings).values()), axis=1)
+                for clip in clips
+            ]
+        joints = np.unique(np.concatenate(list(groups.indices(self.motions.skeleton).values())))
+        own = [features.reference_lengths([clip], groups) if by == "positions" else common for clip in clips]
+        return [
+            filled(features.repose(clip, groups, lengths)[:, joints]) for clip, lengths in zip(clips, own, strict=True)
+        ]
+
+
+def by_group(frames: np.ndarray) -> dict[str, np.ndarray]:
+    """What `described` set side by side (n, w): (n, 7) of each group of joints, and (n, 7 g + 4) of their motion if
+    that is there.
+    """
+    groups = frames.shape[1] // 14 if frames.shape[1] % 7 else frames.shape[1] // 7
+    found = {f"group {index}": frames[:, 7 * index : 7 * index + 7] for index in range(groups)}
+    return found | ({MOTION: frames[:, 7 * groups :]} if frames.shape[1] > 7 * groups else {})
+
+
+def loose(frames: np.ndarray) -> np.ndarray:
+    """The same frames when nothing is known of what came before them and after: their motion is NaN."""
+    found = frames.copy()
+    if frames.ndim == 2 and frames.shape[1] % 7:
+        found[:, 7 * (frames.shape[1] // 14) :] = np.nan
+    return found
+
+
+def filled(positions: np.ndarray) -> np.ndarray:
+    """Positions (n, j, 3) in which joints that were not seen are where they were last, or next, in the clip; at the
+    root if never.
+
+    Ours leaves out what was not seen; the peers cannot.
+    """
+    found, at = positions.copy(), np.arange(len(positions))
+    for joint in range(positions.shape[1]):
+        seen = np.flatnonzero(np.isfinite(positions[:, joint]).all(axis=1))
+        nearest = seen[np.clip(np.searchsorted(seen, at, side="right") - 1, 0, len(seen) - 1)] if len(seen) else at
+        found[:, joint] = positions[nearest, joint] if len(seen) else 0.0
+    return found
+
+
+def open_problem(path: Path, *, published: bool) -> Problem:
+    """The clips of an artefact, with the splits that came with them if wanted."""
+    motions = read([path], Reading(rate=RATE), "auto")
+    labels = np.array([clip.label for clip in motions.clips], np.str_)
+    return Problem(motions, labels, motions.actors, list(motions.splits.values()) if published else [])

@@ -1,0 +1,1 @@
+"""Formats of files; atomic.py is the only writer."""

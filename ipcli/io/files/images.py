@@ -1,0 +1,190 @@
+"""Depth maps and colour images. Depth is read from 16-bit PNG and TIFF, float TIFF, PFM, NPY and NPZ.
+
+Stored value = scale * depth: 5000 for TUM, 1000 for millimetres read as metres, 256 for KITTI disparities. The decoders
+behind OpenCV return the upper part of a cut PNG or JPEG without a word, so both are checked before they are decoded.
+"""
+
+from __future__ import annotations
+
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from ipcli.errors import FormatError, IpcliError
+from ipcli.io.files import atomic, npz
+
+PNG = b"\x89PNG\r\n\x1a\n"
+JPEG, JPEG_SCAN, JPEG_END = b"\xff\xd8\xff", b"\xff\xda", b"\xff\xd9"
+SATURATED = 65535
+DEPTH_SUFFIXES = (".png", ".pfm", ".tif", ".tiff", ".npy", ".npz")
+
+
+def read_depth(path: Path, scale: float | None = None) -> np.ndarray:
+    """Depth (h, w) float32 in the unit of the scene, NaN where missing (stored 0, NaN, or 65535 of 16 bits).
+
+    16-bit files need `scale`; floats are taken as they are when it is None. FormatError for an unreadable file, an
+    unknown scale, or negative or infinite depth, with the count and the first pixel.
+    """
+    stored = _stored(Path(path))
+    if stored.ndim != 2 or not stored.size:
+        raise FormatError(path, "not one depth map", expected="shape (h, w)", got=stored.shape)
+    if stored.dtype == np.uint16:
+        if scale is None:
+            raise FormatError(
+                path, "16-bit depth of unknown scale", fix="Give the depth scale: stored value = scale * depth"
+            )
+        missing = (stored == 0) | (stored == SATURATED)
+    elif stored.dtype.kind == "f":
+        missing = (stored == 0) | np.isnan(stored)
+        _refuse(path, stored, "negative or infinite depth", ~missing & ~((stored > 0) & np.isfinite(stored)))
+    else:
+        raise FormatError(path, "wrong type of depth", expected="16-bit integers or floats", got=stored.dtype)
+    with np.errstate(over="ignore", under="ignore"):
+        depth = np.where(missing, np.nan, stored.astype(np.float64) / (scale or 1.0)).astype(np.float32)
+    _refuse(path, stored, "depth that 32-bit floats cannot hold", ~missing & ~((depth > 0) & np.isfinite(depth)))
+    return depth
+
+
+def _refuse(path: Path, stored: np.ndarray, what: str, bad: np.ndarray) -> None:
+    if bad.any():
+        row, column = (int(index) for index in np.argwhere(bad)[0])
+        first = f"{int(bad.sum())} pixels, the first {stored[row, column]} at row {row}, column {column}"
+        raise FormatError(
+            path, what, expected="depth > 0, 0 or NaN where missing", got=first, fix="Mark missing depth as NaN"
+        )
+
+
+def _stored(path: Path) -> np.ndarray:
+    """The numbers of a depth file before any meaning is given to them."""
+    suffix = path.suffix.lower()
+    if suffix == ".npz":
+        arrays = npz.read(path)
+        if len(arrays) != 1:
+            raise FormatError(
+                path, "not one depth map", expected="a single array", got=f"{len(arrays)}: {', '.join(arrays)}"
+            )
+        return next(iter(arrays.values()))
+    data = _bytes(path)
+    if suffix == ".npy":
+        return _npy(path, data)
+    if suffix == ".pfm":
+        return _pfm(path, data)
+    if suffix in DEPTH_SUFFIXES:
+        return _decoded(path, data, as_colour=False)
+    raise FormatError(path, "not a depth file", expected=" ".join(DEPTH_SUFFIXES), got=suffix or "no suffix")
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise FormatError(path, f"cannot be read: {error.strerror}") from error
+
+
+def _npy(path: Path, data: bytes) -> np.ndarray:
+    import io
+
+    stream = io.BytesIO(data)
+    try:
+        array = np.lib.format.read_array(stream, allow_pickle=False)
+    except (ValueError, EOFError, SyntaxError, MemoryError, OverflowError) as error:
+        raise FormatError(path, f"not a readable NPY file: {error}") from error
+    if stream.tell() != len(data):
+        raise FormatError(path, "bytes after the end of the array", expected=stream.tell(), got=len(data))
+    return array
+
+
+def _pfm(path: Path, data: bytes) -> np.ndarray:
+    """One channel of floats, bottom row first; the sign of the third line tells the byte order."""
+    try:
+        magic, size, order, pixels = data.split(b"\n", 3)
+        columns, rows = (int(word) for word in size.split())
+        code = "<f4" if float(order) < 0 else ">f4"
+    except ValueError as error:
+        raise FormatError(path, "not a readable PFM file: the header is cut or wrong") from error
+    if magic.strip() != b"Pf" or columns < 1 or rows < 1 or len(pixels) != 4 * rows * columns:
+        got = f"{magic[:8].decode('latin-1')} {columns}x{rows} with {len(pixels)} bytes"
+        raise FormatError(path, "not a whole one-channel PFM", expected="Pf with 4 bytes a pixel", got=got)
+    return np.flipud(np.frombuffer(pixels, code).reshape(rows, columns)).astype(np.float32)
+
+
+def read_image(path: Path) -> np.ndarray:
+    """Colours (h, w, 3) uint8 RGB of any image OpenCV reads; grey is repeated, alpha dropped. FormatError otherwise."""
+    path = Path(path)
+    return _decoded(path, _bytes(path), as_colour=True)
+
+
+def _decoded(path: Path, data: bytes, as_colour: bool) -> np.ndarray:
+    import cv2
+
+    if (data.startswith(PNG) and not _whole_png(data)) or (data.startswith(JPEG) and not _whole_jpeg(data)):
+        raise FormatError(path, "truncated or damaged image", fix="Copy it again")
+    level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # else it prints what we raise
+    try:
+        flags = cv2.IMREAD_COLOR if as_colour else cv2.IMREAD_UNCHANGED
+        image = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if data else None
+    except cv2.error as error:
+        raise FormatError(path, f"not a readable image: {' '.join(error.err.split())}") from error
+    finally:
+        cv2.utils.logging.setLogLevel(level)
+    if image is None:
+        raise FormatError(path, "not a readable image")
+    return np.ascontiguousarray(image[..., ::-1]) if as_colour else image
+
+
+def _whole_png(data: bytes) -> bool:
+    """Whether all chunks up to IEND are there with right checksums."""
+    offset = len(PNG)
+    while offset + 12 <= len(data):
+        length = int.from_bytes(data[offset : offset + 4])
+        body, checksum = data[offset + 4 : offset + 8 + length], data[offset + 8 + length : offset + 12 + length]
+        if len(checksum) < 4 or zlib.crc32(body) != int.from_bytes(checksum):
+            return False
+        if body[:4] == b"IEND":
+            return True
+        offset += 12 + length
+    return False
+
+
+def _whole_jpeg(data: bytes) -> bool:
+    """Whether the last scan is ended; an embedded preview ends before the scan of the picture begins."""
+    return data.rfind(JPEG_END) > data.rfind(JPEG_SCAN)
+
+
+def encode_png(array: np.ndarray) -> bytes:
+    """PNG of (h, w) grey or (h, w, 3) RGB, uint8 or uint16; the same bytes for the same array."""
+    import cv2
+
+    array = np.asarray(array)
+    if array.dtype not in (np.uint8, np.uint16) or not (array.ndim == 2 or array.shape[2:] == (3,)) or not array.size:
+        raise IpcliError(
+            f"PNG: expected (h, w) or (h, w, 3) of uint8 or uint16, got {array.dtype} of shape {array.shape}"
+        )
+    done, data = cv2.imencode(".png", array if array.ndim == 2 else np.ascontiguousarray(array[..., ::-1]))
+    if not done:
+        raise IpcliError(f"PNG: the encoder refused an image of shape {array.shape}")
+    return data.tobytes()
+
+
+def write_png(path: Path, array: np.ndarray) -> None:
+    """Write `encode_png(array)` atomically."""
+    atomic.write_bytes(path, encode_png(array))
+
+
+def write_depth_png16(path: Path, depth: np.ndarray, scale: float) -> None:
+    """Write depth (h, w) as rounded scale * depth, 0 where NaN.
+
+    FormatError when a depth would not fit: above 65534, since 65535 means missing, or so small that it would be rounded
+    to 0.
+    """
+    with np.errstate(over="ignore"):
+        stored = np.rint(np.asarray(depth, np.float64) * scale)
+    known = ~np.isnan(stored)
+    outside = known & ~((stored >= 1) & (stored < SATURATED))
+    if outside.any():
+        got = f"{np.nanmin(stored):g} to {np.nanmax(stored):g}, {int(outside.sum())} pixels outside"
+        raise FormatError(
+            path, "depth does not fit 16 bits", expected=f"1 to {SATURATED - 1}", got=got, fix="Choose another scale"
+        )
+    write_png(path, np.where(known, stored, 0).astype(np.uint16))

@@ -1,0 +1,42 @@
+"""Flat sets of numeric arrays as NPZ. Nothing is pickled, written or read; the same arrays give the same bytes."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ipcli.errors import FormatError, IpcliError
+from ipcli.io.files import atomic
+
+
+def write(path: Path, arrays: Mapping[str, np.ndarray], *, durable: bool = True) -> None:
+    """Write atomically, `durable` as in atomic.replacing. IpcliError for an array that is not numeric.
+
+    numpy.savez is not used: it takes no array named `file` and stops half-way through at an object.
+    """
+    for name, array in arrays.items():
+        if np.asarray(array).dtype.kind not in "biufc":
+            raise IpcliError(f"{path}: {name} is of dtype {np.asarray(array).dtype}; NPZ holds numbers only")
+    with atomic.replacing(path, durable=durable) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+        for name in sorted(arrays):
+            with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as stream:
+                np.lib.format.write_array(stream, np.asarray(arrays[name]), allow_pickle=False)
+
+
+def read(path: Path) -> dict[str, np.ndarray]:
+    """All arrays by name, checksums verified. FormatError for whatever is not a sound NPZ of numbers."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return {name.removesuffix(".npy"): _array(archive.read(name)) for name in archive.namelist()}
+    except (OSError, ValueError, EOFError, RuntimeError, NotImplementedError, zipfile.BadZipFile, MemoryError) as error:
+        raise FormatError(
+            path, f"not a readable NPZ file: {error}", fix="Make it again with numeric arrays only"
+        ) from error
+
+
+def _array(data: bytes) -> np.ndarray:
+    return np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)

@@ -1,0 +1,1 @@
+"""Readers of motion capture; `layouts` is the table of them."""

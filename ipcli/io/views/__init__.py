@@ -1,0 +1,1 @@
+"""Readers of depth maps with cameras; `layouts` is the table of them."""

@@ -1,0 +1,218 @@
+"""A plain folder of depth maps, for data of any origin.
+
+    depth/NAME.png | .pfm | .npy | .tif | .tiff      one file a view, any size confidence/ image/ truth/
+    optional, by the same stem intrinsics.txt                                   a 3 x 3 matrix, or ``fx fy cx cy``, or
+    one line a view ``NAME fx fy cx cy`` poses.txt                                        one line a view: ``NAME`` and
+    12 or 16 numbers, row by row views.toml                                       optional: unit, depth_scale, pose,
+    measured, baseline_focal
+
+The order of the views is alphabetical. The direction of the poses has no default, since a wrong guess gives a plausible
+but false result: ``pose = "world_from_cam"`` or ``"cam_from_world"`` stands in views.toml, or as a comment in
+poses.txt, or comes as a hint.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence as Ordered
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+import numpy as np
+
+from ipcli.errors import FormatError, ParameterError, nearest
+from ipcli.io.files import text
+from ipcli.measurements.views import View, Views, check_view
+
+DEPTHS = (".png", ".pfm", ".npy", ".tif", ".tiff")
+DIRECTIONS = ("cam_from_world", "world_from_cam")
+QUANTITIES = ("depth", "disparity")
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What the files of a folder cannot say themselves (views.toml)."""
+
+    unit: str = "unit"
+    depth_scale: float | None = None  # stored value = depth_scale * depth, in depth/ and truth/; 16-bit images need it
+    pose: str | None = None
+    measured: str = "depth"  # "disparity": the depth files hold disparities in pixels
+    baseline_focal: float | None = None
+
+
+def is_folder(folder: Path) -> bool:
+    """Whether the folder has depth maps and poses in the plain layout."""
+    return (folder / "depth").is_dir() and (folder / "poses.txt").is_file()
+
+
+def open_folder(
+    folder: Path,
+    *,
+    unit: str | None = None,
+    depth_scale: float | None = None,
+    pose: str | None = None,
+    measured: str | None = None,
+    baseline_focal: float | None = None,
+    intrinsics: Ordered[float] | None = None,
+) -> Views:
+    """The views of a plain folder (see the module). What is given here goes before views.toml."""
+    given = {
+        "unit": unit,
+        "depth_scale": depth_scale,
+        "pose": pose,
+        "measured": measured,
+        "baseline_focal": baseline_focal,
+    }
+    manifest = replace(
+        _manifest(folder / "views.toml"), **{key: value for key, value in given.items() if value is not None}
+    )
+    _check_manifest(folder, manifest)
+    depths = text.by_stem(folder / "depth", DEPTHS)
+    if not depths:
+        raise FormatError(
+            folder / "depth",
+            "no depth maps",
+            expected=f"files {', '.join(DEPTHS)}",
+            fix="Check the layout of the folder",
+        )
+    cameras = _intrinsics(folder / "intrinsics.txt", tuple(depths), intrinsics)
+    poses = _poses(folder / "poses.txt", tuple(depths), manifest.pose)
+    beside = {
+        kind: text.by_stem(folder / kind, text.IMAGES if kind == "image" else DEPTHS)
+        for kind in ("confidence", "image", "truth")
+    }
+
+    def load(name: str, pictures: bool = True) -> View:
+        wanted = beside if pictures else {"confidence": beside["confidence"]}
+        files = {kind: found[name] for kind, found in wanted.items() if name in found}
+        return check_view(_view(name, depths[name], files, cameras[name], poses[name], manifest), folder)
+
+    def files(name: str) -> tuple[Path, ...]:
+        shared = (folder / name for name in ("intrinsics.txt", "poses.txt", "views.toml"))
+        own = (found[name] for found in beside.values() if name in found)
+        return (depths[name], *own, *(path for path in shared if path.is_file()))
+
+    return Views(tuple(depths), manifest.unit, manifest.measured, manifest.baseline_focal, load, files)
+
+
+def _view(
+    name: str, depth: Path, files: dict[str, Path], intrinsics: np.ndarray, pose: np.ndarray, manifest: Manifest
+) -> View:
+    def metric(path: Path) -> np.ndarray:
+        return _metric(path, manifest)
+
+    values = metric(depth)
+    confidence = _confidence(files["confidence"]) if "confidence" in files else None
+    truth = metric(files["truth"]) if "truth" in files else None
+    return View(name, values, intrinsics, pose, confidence, text.image_at(files.get("image"), values.shape), truth)
+
+
+def _metric(path: Path, manifest: Manifest) -> np.ndarray:
+    """Depth (h, w) in the unit of the scene, from a file of depth or disparity."""
+    from ipcli.io.files.images import read_depth
+
+    values = read_depth(path, manifest.depth_scale)
+    return (manifest.baseline_focal / values).astype(np.float32) if manifest.measured == "disparity" else values
+
+
+def _confidence(path: Path) -> np.ndarray:
+    """Confidence (h, w) in [0, inf): integers of an image span [0, 1], and what is missing counts as 0."""
+    from ipcli.io.files.images import read_depth, read_image
+
+    if path.suffix.lower() == ".png":
+        return read_image(path)[..., 0].astype(np.float32) / 255
+    return np.nan_to_num(read_depth(path, None), nan=0.0)
+
+
+def _manifest(path: Path) -> Manifest:
+    if not path.is_file():
+        return Manifest()
+    try:
+        table = tomllib.loads(text.read_text(path))
+    except tomllib.TOMLDecodeError as error:
+        raise FormatError(path, f"not TOML: {error}", fix="Correct that line") from None
+    known = [field.name for field in fields(Manifest)]
+    for key in table:
+        if key not in known:
+            raise FormatError(path, f"unknown key '{key}'{nearest(key, known)}", expected=", ".join(known))
+    return Manifest(**table)
+
+
+def _check_manifest(folder: Path, manifest: Manifest) -> None:
+    choices = {"pose": (manifest.pose, (None, *DIRECTIONS)), "measured": (manifest.measured, QUANTITIES)}
+    for key, (value, allowed) in choices.items():
+        if value not in allowed:
+            raise ParameterError(f"{folder}: {key} = {value!r}: expected {' or '.join(filter(None, allowed))}")
+    for key in ("depth_scale", "baseline_focal"):
+        value = getattr(manifest, key)
+        if value is not None and not (isinstance(value, (int, float)) and 0 < value < np.inf):
+            raise ParameterError(f"{folder}: {key} = {value!r}: expected a number > 0")
+    if manifest.measured == "disparity" and manifest.baseline_focal is None:
+        raise ParameterError(
+            f"{folder}: disparities need baseline_focal (pixels * unit) to become depth: put it into views.toml"
+        )
+
+
+def _intrinsics(path: Path, names: Ordered[str], given: Ordered[float] | None) -> dict[str, np.ndarray]:
+    if given is not None:
+        return dict.fromkeys(names, text.camera_matrix(given))
+    lines = [(number, line.split()) for number, line in text.comment_free(path)]
+    if lines and len(lines[0][1]) == 5:
+        return {name: text.camera_matrix(values) for name, values in _by_name(path, names, [4]).items()}
+    if len(lines) == 1:
+        line, tokens = lines[0]
+        return dict.fromkeys(names, text.camera_matrix(text.numbers(path, line, tokens, [4, 9])))
+    return dict.fromkeys(names, text.read_matrix(path, (3, 3)))
+
+
+def _poses(path: Path, names: Ordered[str], stated: str | None) -> dict[str, np.ndarray]:
+    """cam_from_world (4, 4) by view."""
+    direction = _direction(path, stated)
+    poses = {}
+    for name, values in _by_name(path, names, [12, 16]).items():
+        matrix = values.reshape(-1, 4) if values.size == 16 else np.vstack([values.reshape(3, 4), [0, 0, 0, 1]])
+        poses[name] = matrix if direction == "cam_from_world" else text.inverse(path, matrix)
+    return poses
+
+
+def _direction(path: Path, stated: str | None) -> str:
+    """The direction of the poses, as stated by views.toml or a hint, or by a comment in the file itself."""
+    comments = " ".join(line.partition("#")[2] for line in text.read_text(path).splitlines())
+    commented = [direction for direction in DIRECTIONS if direction in comments]
+    choices = {*commented, *filter(None, [stated])}
+    if len(choices) == 1:
+        return choices.pop()
+    what = (
+        "the direction of the poses is stated twice, differently"
+        if choices
+        else "the direction of the poses is not stated"
+    )
+    raise FormatError(
+        path,
+        what,
+        expected=" or ".join(DIRECTIONS),
+        fix='Put a first line "# world_from_cam" (camera to world) or "# cam_from_world"',
+    )
+
+
+def _by_name(path: Path, names: Ordered[str], counts: Ordered[int]) -> dict[str, np.ndarray]:
+    """The numbers of each view, from lines that begin with its name; lines of other views are passed over."""
+    rows = {}
+    for line, content in text.comment_free(path):
+        name, *tokens = content.split()
+        if name in rows:
+            raise FormatError(
+                path,
+                f"line {line} is the second of view {name!r}",
+                expected="one line a view",
+                fix="Remove one of them",
+            )
+        rows[name] = text.numbers(path, line, tokens, counts)
+    if missing := [name for name in names if name not in rows]:
+        raise FormatError(
+            path,
+            f"no line of {len(missing)} of {len(names)} views, the first is {missing[0]!r}",
+            expected="one line a depth map",
+            fix="Add its line, or remove its depth map",
+        )
+    return {name: rows[name] for name in names}

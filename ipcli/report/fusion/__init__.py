@@ -1,0 +1,1 @@
+"""Pages of depth fusion, a module an artefact kind."""

@@ -1,0 +1,337 @@
+"""The page of a fused depth map: a pure function of the "depth" artefact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipcli.geometry.surface import normals
+from ipcli.report.fusion import accuracy
+from ipcli.report.kit import curves, pictures, surface
+from ipcli.report.kit.numbers import aligned, finite, number, percent, with_unit
+from ipcli.report.kit.page import (
+    Markup,
+    bar,
+    columns_for,
+    element,
+    figure,
+    gallery,
+    join,
+    meter,
+    notice,
+    section,
+    table,
+)
+from ipcli.report.kit.page import page as document
+from ipcli.report.kit.pictures import Scale, draw, photograph
+from ipcli.report.kit.provenance import origin
+
+PIXELS = 280_000  # of the largest pictures: they are shown at about 430 x 320, and noise does not compress
+THUMBNAIL_PIXELS = 250_000  # of all thumbnails together
+LITTLE_OVERLAP = 0.05  # share of the reference's pixels below which a view hardly takes part
+SMALL = {"width": 420, "height": 270}  # plots that stand three in a row
+
+
+@dataclass(frozen=True)
+class Look:
+    """The artefact, and what all pictures of it have in common."""
+
+    arrays: Mapping[str, np.ndarray]
+    depth: Scale
+    widest: int
+    window: tuple[int, int, int, int]  # row, column, height and width of the part that is enlarged
+
+    @property
+    def unit(self) -> str:
+        return text(self.arrays["unit"])
+
+    @property
+    def aspect(self) -> float:
+        height, width = self.arrays["depth"].shape
+        return width / height
+
+
+def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = pictures.WIDEST) -> str:
+    """The HTML page of a "depth" artefact, the same bytes for the same artefact.
+
+    ``arrays`` and ``provenance`` are those of the artefact; no picture is stored wider than ``widest`` pixels.
+    """
+    height, width = arrays["depth"].shape
+    widest = min(widest, max(64, round((PIXELS * width / height) ** 0.5)))
+    look = Look(arrays, pictures.robust([arrays["depth"]], "turbo", text(arrays["unit"])), widest, _window(arrays))
+    parts = [*_notices(look), _maps(look), _surface(look), _detail(look)]
+    parts += [accuracy.metrics(arrays)] if "metrics" in arrays else []
+    parts += [accuracy.maps(arrays, look.unit, widest)] if "truth" in arrays else []
+    parts += [_views(look), _solver(look), _reading(look), origin(provenance)]
+    reference = (provenance.get("params") or {}).get("reference")
+    return document(
+        f"Fused depth map of {reference}" if reference else "Fused depth map",
+        "ipcli fuse-depth",
+        _verdict(look),
+        *parts,
+    )
+
+
+def text(array: np.ndarray) -> str:
+    """A scalar text of an artefact."""
+    return str(np.asarray(array).item())
+
+
+def scalar(array: np.ndarray) -> float:
+    """The number in an array of one."""
+    return float(np.asarray(array).item())
+
+
+def _verdict(look: Look) -> Markup:
+    a = look.arrays
+    (height, width), count = a["depth"].shape, len(a["views"])
+    observed = np.count_nonzero(a["observations"]) / a["observations"].size
+    views = f"{count} views" if count > 1 else "one view"
+    noise = {"depth": look.unit, "disparity": "px", "inverse depth": f"1/{look.unit}"}[text(a["domain"])]
+    words = (
+        f"{width} × {height} pixels fused from {views} by {text(a['method'])} "
+        f"on {text(a['domain'])}, λ = {number(scalar(a['lambda']))}. "
+        f"Noise scale {with_unit(scalar(a['noise_scale']), noise)}; {percent(observed)} of the pixels observed."
+    )
+    return join(words, *_gain(look))
+
+
+def _gain(look: Look) -> list[object]:
+    """How far the fused map is from the truth, against the median of the same observations."""
+    if "truth" not in look.arrays:
+        return []
+    both = {name: accuracy.error(look.arrays, name) for name in ("median", "depth")}
+    common = np.isfinite(both["median"]) & np.isfinite(both["depth"])
+    if not common.any():
+        return [" The truth shares no pixel with the map."]
+    median, fused = (float(both[name][common].mean()) for name in ("median", "depth"))
+    change = (fused - median) / median if median else 0.0
+    side = "below" if change <= 0 else "above"
+    words = f"mean error {with_unit(fused, look.unit)}, {number(abs(100 * change), 2)} % {side} the median's"
+    return [" Against the truth: ", element("strong", words), "."]
+
+
+def _notices(look: Look) -> list[Markup]:
+    a = look.arrays
+    low = [str(name) for name, share in zip(a["views"], a["view_overlap"], strict=True) if not share >= LITTLE_OVERLAP]
+    missing = np.count_nonzero(~np.isfinite(a["depth"])) / a["depth"].size
+    found = []
+    if low:
+        shown = ", ".join(low[:6]) + (f" and {len(low) - 6} more" if len(low) > 6 else "")
+        verb = "overlaps" if len(low) == 1 else "overlap"
+        found += [
+            f"{len(low)} of {len(a['views'])} views {verb} the reference by less than {percent(LITTLE_OVERLAP)}: "
+            f"{shown}."
+        ]
+    if missing:
+        found += [f"{percent(missing)} of the fused map has no depth."]
+    if not np.isfinite(a["confidence"]).any():
+        found += ["no pixel has a confidence."]
+    return [notice(sentence) for sentence in found]
+
+
+def _maps(look: Look) -> Markup:
+    a, widest = look.arrays, look.widest
+    confidence = _confidence_scale(a["confidence"])
+    seen = np.where(a["observations"] > 0, a["observations"], np.nan).astype(np.float32)
+    count = Scale(0.0, float(max(1, len(a["views"]), a["observations"].max(initial=1))), "sea", whole=True)
+    shown = [
+        figure(draw(a["reference"], look.depth, widest), "Reference view", "as it was given", scale=look.depth),
+        figure(draw(a["median"], look.depth, widest), "Median", "of the observations of each pixel", scale=look.depth),
+        figure(
+            draw(a["depth"], look.depth, widest),
+            "Fused",
+            "the square is enlarged below",
+            scale=look.depth,
+            frame=_shares(look.window, a["depth"].shape),
+        ),
+        figure(
+            draw(a["confidence"], confidence, widest), "Confidence", "Λ, relative to the noise scale", scale=confidence
+        ),
+        figure(draw(seen, count, widest), "Observations", "per pixel; hatched: none, in-painted", scale=count),
+        *_companion(look),
+    ]
+    lead = "All depth maps share one scale: the 1st to the 99th percentile of the fused map. Hatched grey is missing."
+    return section("Maps", gallery(*shown, columns=columns_for(look.aspect, len(shown))), lead=lead)
+
+
+def _companion(look: Look) -> list[Markup]:
+    """The sixth picture: the truth, or else the colour image, or else nothing."""
+    if "truth" in look.arrays:
+        return [
+            figure(draw(look.arrays["truth"], look.depth, look.widest), "Truth", "on the same scale", scale=look.depth)
+        ]
+    if "image" in look.arrays:
+        return [figure(photograph(look.arrays["image"], look.widest), "Image", "of the reference view")]
+    return []
+
+
+def _confidence_scale(confidence: np.ndarray) -> Scale:
+    """Logarithmic when the values span more than a factor of 20."""
+    scale = pictures.robust([confidence], "viridis", log=True)
+    return scale if scale.log and scale.high / scale.low > 20 else pictures.robust([confidence], "viridis")
+
+
+def _surface(look: Look) -> Markup:
+    a, widest = look.arrays, look.widest
+    light = surface.shade(a["normals"], a["intrinsics"])
+    before = surface.shade(normals(a["median"], a["intrinsics"]), a["intrinsics"])
+    turned = surface.oblique(a["depth"], a["intrinsics"], light, a.get("image"))
+    shown = [
+        figure(draw(before, surface.SHADE, min(widest, 480)), "Median, shaded", "normals by differences"),
+        figure(draw(light, surface.SHADE, widest), "Fused, shaded", "headlight and a soft light from the upper left"),
+        figure(
+            photograph(turned, widest),
+            "Fused, seen from the side",
+            f"camera turned by {abs(surface.YAW):.0f}° and raised by {surface.PITCH:.0f}°",
+        ),
+    ]
+    return section(
+        "Surface", gallery(*shown, columns=columns_for(look.aspect, 3)), lead="What the depth map is worth as a shape."
+    )
+
+
+def _window(arrays: Mapping[str, np.ndarray]) -> tuple[int, int, int, int]:
+    """Row, column, height and width of what to enlarge: where the fused map errs most, or else bends most."""
+    depth = arrays["depth"]
+    if "truth" in arrays:
+        interest = accuracy.error(arrays, "depth")
+    else:
+        padded = np.pad(
+            depth, 1, mode="reflect", reflect_type="odd"
+        )  # goes on straight beyond the border: no relief there
+        interest = np.abs(np.diff(padded[:, 1:-1], 2, axis=0)) + np.abs(np.diff(padded[1:-1], 2, axis=1))
+    interest = np.nan_to_num(interest)
+    interest = np.minimum(interest, np.percentile(interest, 99.5))  # a few outliers are no detail
+    return _fullest(interest, max(1, min(round(depth.shape[0] / 3.2), depth.shape[1])))
+
+
+def _fullest(interest: np.ndarray, side: int) -> tuple[int, int, int, int]:
+    """The square window with the largest sum, on a grid of an eighth of its side, by an integral image."""
+    sums = np.pad(interest, ((1, 0), (1, 0))).cumsum(0, dtype=np.float64).cumsum(1)
+    boxes = sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]
+    coarse = boxes[:: max(1, side // 8), :: max(1, side // 8)]
+    row, column = np.unravel_index(np.argmax(coarse), coarse.shape)
+    return int(row) * max(1, side // 8), int(column) * max(1, side // 8), side, side
+
+
+def _shares(window: tuple[int, int, int, int], shape: tuple[int, int]) -> tuple[float, float, float, float]:
+    row, column, height, width = window
+    return column / shape[1], row / shape[0], width / shape[1], height / shape[0]
+
+
+def _detail(look: Look) -> Markup:
+    row, column, height, width = look.window
+    crops = {
+        name: look.arrays[name][row : row + height, column : column + width]
+        for name in ("reference", "median", "depth")
+    }
+    scale = pictures.robust([crops["depth"]], "turbo", look.unit)
+    shown = [
+        figure(draw(crop, scale), accuracy.CANDIDATES[name], scale=scale, crisp=True) for name, crop in crops.items()
+    ]
+    change = crops["depth"] - crops["median"]
+    signed = pictures.symmetric([change], look.unit)
+    shown += [figure(draw(change, signed), "Fused minus median", scale=signed, crisp=True)]
+    why = "the fused map errs most" if "truth" in look.arrays else "the surface bends most"
+    lead = f"The square of {width} × {height} pixels at column {column}, row {row}, where {why}; on scales of its own."
+    return section("Detail", gallery(*shown, columns=4), lead=lead)
+
+
+def _views(look: Look) -> Markup:
+    a = look.arrays
+    thumbnails = np.asarray(a["thumbnails"])
+    small = round((THUMBNAIL_PIXELS * look.aspect / max(1, len(thumbnails))) ** 0.5)
+    widest = min(look.widest, 240, max(80, small))
+    shown = [
+        figure(draw(thumbnail, look.depth, widest), str(name), percent(float(overlap)))
+        for thumbnail, name, overlap in zip(thumbnails, a["views"], a["view_overlap"], strict=True)
+    ]
+    columns = columns_for(look.aspect, max(len(shown), 4), small=True)
+    if 4 < len(shown) <= 12:
+        columns = min(columns, -(-len(shown) // 2))
+    lead = "Each view reprojected into the reference camera, on the scale of the maps above; and the share it reaches."
+    return section(
+        "Views",
+        gallery(*shown, columns=columns, small=True),
+        element("div", bar(look.depth), class_="shared"),
+        _view_table(look),
+        lead=lead,
+    )
+
+
+def _view_table(look: Look) -> Markup:
+    a = look.arrays
+    rows, warn = [], {}
+    columns = (a["views"], a["view_valid"], a["view_overlap"], aligned(a["view_residual"]))
+    for index, (name, valid, overlap, residual) in enumerate(zip(*columns, strict=True)):
+        little = not overlap >= LITTLE_OVERLAP
+        warn |= {index: "little overlap with the reference"} if little else {}
+        label = join(str(name), element("span", "little overlap", class_="aside") if little else "")
+        rows.append((label, *(meter(share, percent(share)) for share in (float(valid), float(overlap))), residual))
+    unit = f", {look.unit}" if look.unit else ""
+    return table(("View", "Valid depth", "Overlap with the reference", f"Median residual{unit}"), rows, warn=warn)
+
+
+def _solver(look: Look) -> Markup:
+    history = np.asarray(look.arrays["history"])
+    if not len(history):
+        return section("Solver", lead="The solver left no history.")
+    rounds, _, energy, gap, merit = history.T
+    steps = unwrap(history[:, 1])
+    last = np.flatnonzero(np.append(np.diff(rounds) != 0, True))  # the end of each round
+    plots = [
+        curves.plot(
+            [curves.Series("gap", steps, gap)],
+            "Restricted primal-dual gap",
+            "iteration",
+            "relative gap",
+            log_y=True,
+            **SMALL,
+        ),
+        curves.plot(
+            [curves.Series("energy", steps, energy)], "Energy", "iteration", "energy", log_y=_spans(energy), **SMALL
+        ),
+        curves.plot(
+            [curves.Series("merit", rounds[last], merit[last], dots=True)],
+            "Merit after each round",
+            "round",
+            "merit",
+            log_y=_spans(merit),
+            **SMALL,
+        ),
+    ]
+    known = gap[np.isfinite(gap)]
+    end = f", to a relative gap of {number(float(known[-1]), 2)}" if known.size else ""
+    many = "one round" if len(last) == 1 else f"{len(last)} rounds"
+    return section(
+        "Solver", element("div", *plots, class_="plots"), lead=f"{int(steps[-1])} iterations in {many}{end}."
+    )
+
+
+def unwrap(iterations: np.ndarray) -> np.ndarray:
+    """Iterations (n,) counted on from round to round when each round starts to count anew."""
+    restarts = np.append(False, np.diff(iterations) < 0)
+    return iterations + np.cumsum(np.where(restarts, np.append(0, iterations[:-1]), 0))
+
+
+def _spans(values: np.ndarray) -> bool:
+    """Whether values ask for a logarithmic axis: all positive and over a factor of 50 apart."""
+    known = finite([values])
+    return bool(known.size and known.min() > 0 and known.max() > 50 * known.min())
+
+
+def _reading(look: Look) -> Markup:
+    meaning = (
+        "The confidence of a pixel is the precision Λ that its observations earn: high where many views agree with the "
+        "fused depth, low where few reach or they scatter. It is relative to the noise scale, so that values compare "
+        "between scenes and units, but it is no probability: by default the observations of a pixel deviate by about "
+        "the noise scale divided by Λ."
+    )
+    cite = (
+        "To cite: ipcli fuse-depth, after chapter 4 (confidence-driven depth fusion by total generalised variation) "
+        "of the PhD thesis “Inverse Problem Theory in Shape and Action Modeling”, with the digest below."
+    )
+    return section("How to read and cite", element("div", element("p", meaning), element("p", cite), class_="prose"))

@@ -1,0 +1,1 @@
+"""Pages of action recognition, a module an artefact kind."""

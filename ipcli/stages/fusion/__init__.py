@@ -1,0 +1,1 @@
+"""Commands of depth fusion (thesis chapter 4)."""

@@ -1,0 +1,136 @@
+"""compare: the error measures of fused maps, or of trials, of several scenes and methods -> one table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ipcli.errors import FormatError, ParameterError
+from ipcli.params import Run
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ipcli.stages.kit.artefact import Outcome
+
+
+@dataclass(frozen=True)
+class Params:
+    """Nothing to choose: the table follows from the files."""
+
+
+def run(files: Sequence[Path], output: Path, params: Params, run: Run) -> Outcome:
+    """Write the table and beside it a page (.html) and all figures (.csv, .json).
+
+    A scene is the name of a file up to its first dot. Raises FormatError for a file without measures and ParameterError
+    when two files of a scene give the same method, or other figures for the same baseline.
+    """
+    from ipcli.stages.kit.artefact import Job, make
+
+    beside = {
+        output.with_suffix(".html"): write_page,
+        output.with_suffix(".csv"): write_csv,
+        output.with_suffix(".json"): write_json,
+    }
+    job = Job(output, "comparison", "compare", params, tuple(files), beside)
+    return make(job, lambda: comparison(files), run)
+
+
+def comparison(files: Sequence[Path]) -> dict[str, np.ndarray]:
+    """The arrays of the `comparison` artefact; scenes and methods in the order of the files."""
+    import numpy as np
+
+    columns, cells = None, {}
+    for path in files:
+        columns, rows = measures(path, columns)
+        scene = path.name.split(".")[0]
+        for method, values in rows.items():
+            known = cells.setdefault((scene, method), values)
+            if known is not values and not np.array_equal(known, values, equal_nan=True):
+                raise ParameterError(
+                    f"{path}: another file of scene '{scene}' has other figures for '{method}'. Compare one at a time"
+                )
+    scenes, methods = (list(dict.fromkeys(names)) for names in zip(*cells, strict=True))
+    nothing = np.full(len(columns), np.nan)
+    values = np.array([[cells.get((scene, method), nothing) for method in methods] for scene in scenes])
+    return {"scenes": np.array(scenes), "methods": np.array(methods), "columns": np.array(columns), "values": values}
+
+
+def measures(path: Path, columns: list[str] | None) -> tuple[list[str], dict[str, np.ndarray]]:
+    """Columns, and the figures of each method, of a fused map or of trials; the columns must be those given, if any."""
+    from ipcli.io.files import h5
+
+    found, rows = (of_trials if h5.peek(path).kind == "trials" else of_fused_map)(path)
+    if columns is not None and found != columns:
+        raise FormatError(path, "has other measures than the files before it", expected=columns, got=found)
+    return found, rows
+
+
+def of_fused_map(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
+    """What a `depth` artefact says of its map and of those beside it."""
+    from ipcli.io.files import h5
+
+    wanted = ("metrics", "metric_rows", "metric_columns", "method")
+    artefact = h5.read(path, "depth", only=lambda name: name in wanted)
+    arrays, lam = artefact.arrays, artefact.provenance["params"]["fusion"]["lam"]
+    if "metrics" not in arrays:
+        raise FormatError(path, "holds no error measures", fix="Fuse views whose reference has a truth")
+    own = (
+        str(arrays["method"]) if lam is None else f"{arrays['method']}, λ = {lam:g}"
+    )  # the automatic λ is part of the method
+    names = (str(name).replace("fused", own) for name in arrays["metric_rows"])
+    return [str(name) for name in arrays["metric_columns"]], dict(zip(names, arrays["metrics"], strict=True))
+
+
+def of_trials(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
+    """What a `trials` says of each of its methods."""
+    from ipcli.io.files import h5
+    from ipcli.report.fusion.fusion_trials import row_names
+
+    arrays = h5.read(path, "trials", only=lambda name: name in ("methods", "rules", "columns", "values")).arrays
+    return [str(name) for name in arrays["columns"]], dict(zip(row_names(arrays), arrays["values"], strict=True))
+
+
+def write_page(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """The page to look at."""
+    from ipcli.io.files import atomic
+    from ipcli.report.fusion import fusion_comparison
+
+    atomic.write_text(path, fusion_comparison.page(arrays, provenance))
+
+
+def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """A line for each scene and method."""
+    import csv
+    import io
+
+    from ipcli.io.files import atomic
+
+    text = io.StringIO()
+    lines = csv.writer(text, lineterminator="\n")
+    lines.writerow(["scene", "method", *arrays["columns"]])
+    for scene, table in zip(arrays["scenes"], arrays["values"], strict=True):
+        lines.writerows([scene, method, *row] for method, row in zip(arrays["methods"], table.tolist(), strict=True))
+    atomic.write_text(path, text.getvalue())
+
+
+def write_json(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """An object a scene and method; null where undefined."""
+    import json
+    import math
+
+    from ipcli.io.files import atomic
+
+    rows = []
+    for scene, table in zip(arrays["scenes"], arrays["values"].tolist(), strict=True):
+        for method, values in zip(arrays["methods"], table, strict=True):
+            known = (value if math.isfinite(value) else None for value in values)
+            rows.append(
+                {"scene": str(scene), "method": str(method)}
+                | dict(zip(map(str, arrays["columns"]), known, strict=True))
+            )
+    atomic.write_text(
+        path, json.dumps({"digest": provenance.get("digest"), "rows": rows}, indent=1, ensure_ascii=False) + "\n"
+    )

@@ -1,0 +1,152 @@
+"""merge-depth: the fused maps of a sequence -> one coloured cloud of what they agree on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ipcli.errors import FormatError, ParameterError
+from ipcli.models.fusion.parameters import Merge
+from ipcli.params import Run
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ipcli.models.fusion.merge import Cloud, FusedMap
+    from ipcli.stages.kit.artefact import Outcome
+
+NEEDED = {
+    "depth",
+    "confidence",
+    "normals",
+    "observations",
+    "intrinsics",
+    "cam_from_world",
+    "image",
+    "view_residual",
+    "domain",
+}
+SPARE = 8  # maps held beyond the neighbours of one
+
+
+@dataclass(frozen=True)
+class Params:
+    """Which points are kept, and how finely."""
+
+    merge: Merge = field(default_factory=Merge)
+
+
+def run(files: Sequence[Path], output: Path, params: Params, run: Run) -> Outcome:
+    """Write the artefact X.h5, the cloud X.ply and the page X.html for an output X.ply or X.h5; files count in order of
+    their paths.
+
+    Raises ParameterError for another suffix, FormatError when files differ in unit, NoSolution when no point is
+    confirmed.
+    """
+    from ipcli.stages.kit.artefact import Job, make
+
+    if output.suffix not in (".ply", ".h5"):
+        raise ParameterError(
+            f"{output}: a cloud is written as X.ply (with X.h5 beside it); got the suffix '{output.suffix}'"
+        )
+    inputs = tuple(sorted(set(files)))
+    beside = {output.with_suffix(".ply"): write_cloud, output.with_suffix(".html"): write_page}
+    job = Job(output.with_suffix(".h5"), "cloud", "merge-depth", params, inputs, beside)
+    return make(job, lambda: cloud_artefact(inputs, params), run)
+
+
+def cloud_artefact(files: Sequence[Path], params: Params) -> dict[str, np.ndarray]:
+    """The arrays of the `cloud` artefact."""
+    from ipcli.models.fusion.merge import merge
+
+    maps = Maps(files, held=params.merge.neighbours + SPARE)
+    return described(merge(maps, params.merge), files, maps.unit)
+
+
+class Maps:
+    """The fused maps of files, read when they are asked for; so many of them are held."""
+
+    def __init__(self, files: Sequence[Path], held: int):
+        self._files, self.unit = files, read_unit(files)
+        self._read = lru_cache(maxsize=held)(read_map)
+
+    def __len__(self) -> int:
+        return len(self._files)
+
+    def __getitem__(self, index: int) -> FusedMap:
+        return self._read(self._files[index])
+
+
+def read_unit(files: Sequence[Path]) -> str:
+    """The unit of all files; FormatError is raised for a second one."""
+    from ipcli.io.files import h5
+
+    first, *others = files
+    unit = str(h5.read(first, "depth", only=lambda name: name == "unit").arrays["unit"])
+    for path in others:
+        got = str(h5.read(path, "depth", only=lambda name: name == "unit").arrays["unit"])
+        if got != unit:
+            raise FormatError(
+                path, f"has another unit than {first}", expected=unit, got=got, fix="Fuse all in one unit"
+            )
+    return unit
+
+
+def read_map(path: Path) -> FusedMap:
+    """A fused map."""
+    import numpy as np
+
+    from ipcli.io.files import h5
+    from ipcli.models.fusion.merge import FusedMap, depth_noise
+
+    arrays = h5.read(path, "depth", only=lambda name: name in NEEDED).arrays
+    depth = np.where(arrays["observations"] > 0, arrays["depth"], np.float32(np.nan))
+    noise = depth_noise(depth, arrays["view_residual"], inverse=str(arrays["domain"]) != "depth")
+    same = ("confidence", "observations", "normals", "intrinsics", "cam_from_world")
+    return FusedMap(depth, noise=noise, image=arrays.get("image"), **{name: arrays[name] for name in same})
+
+
+def described(cloud: Cloud, files: Sequence[Path], unit: str) -> dict[str, np.ndarray]:
+    """The cloud, and what each map gave to it."""
+    import numpy as np
+
+    points, counts = cloud.points, cloud.counts
+    arrays = {
+        "points": points.position.astype(np.float32),
+        "normals": points.normal.astype(np.float32),
+        "confidence": points.confidence.astype(np.float32),
+        "views": points.views.astype(np.uint16),
+        "spacing": np.float64(cloud.spacing),
+        "maps": np.array([path.name for path in files]),
+        "cam_from_world": cloud.cam_from_world,
+        "map_points": counts[:, 0],
+        "map_confirmed": counts[:, 1],
+        "map_contradicted": counts[:, 2],
+        "unit": np.array(unit),
+    }
+    return arrays | ({} if points.color is None else {"colors": points.color})
+
+
+def write_cloud(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """The cloud for other programs."""
+    from ipcli.io.files import ply
+
+    ply.write(
+        path,
+        arrays["points"],
+        normals=arrays["normals"],
+        colors=arrays.get("colors"),
+        extra={name: arrays[name] for name in ("confidence", "views")},
+        comments=(f"ipcli merge-depth, unit {arrays['unit']}, digest {provenance['digest']}",),
+    )
+
+
+def write_page(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """The page to look at."""
+    from ipcli.io.files import atomic
+    from ipcli.report.fusion import fusion_cloud
+
+    atomic.write_text(path, fusion_cloud.page(arrays, provenance))

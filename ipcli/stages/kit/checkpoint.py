@@ -1,0 +1,55 @@
+"""Work in progress: what chains leave in a folder beside an output, so that a run that was killed goes on
+where it was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import quote
+
+from ipcli.errors import FormatError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A hidden folder of one file an item, named after the output and the digest of the run: another run takes none of
+    it.
+    """
+
+    folder: Path
+
+    @classmethod
+    def of(cls, output: Path, digest: str) -> Checkpoint:
+        """That of the run with this digest."""
+        return cls(output.with_name(f".{output.name}.{digest[:16]}.work"))
+
+    def load(self, name: str) -> dict[str, np.ndarray] | None:
+        """What was last saved for this item; None if there is nothing sound."""
+        from ipcli.io.files import npz
+
+        path = self._path(name)
+        try:
+            return npz.read(path) if path.is_file() else None
+        except FormatError:
+            return None
+
+    def save(self, name: str, arrays: Mapping[str, np.ndarray]) -> None:
+        """Keep numeric arrays for this item in place of those before, whole or not at all."""
+        from ipcli.io.files import npz
+
+        npz.write(self._path(name), arrays, durable=False)  # what a power cut damages is found out when it is loaded
+
+    def clear(self) -> None:
+        """Forget all items, when the output is there."""
+        from shutil import rmtree
+
+        rmtree(self.folder, ignore_errors=True)
+
+    def _path(self, name: str) -> Path:
+        return self.folder / f"{quote(name, safe=' ')}.npz"

@@ -1,0 +1,1 @@
+"""Commands of action recognition (thesis chapter 5)."""

@@ -1,0 +1,72 @@
+"""NPZ holds numbers, comes back bit for bit, and is refused when damaged."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as nps
+
+from ipcli.errors import FormatError, IpcliError
+from ipcli.io.files import npz
+
+IN_FOLDER = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+DTYPES = st.sampled_from(["?", "i1", "<u2", ">i4", "<f4", "<f8", "<c16"])
+ARRAYS = st.dictionaries(
+    st.sampled_from(["file", "a", "b c", "é", "x.npy"]),
+    nps.arrays(DTYPES, nps.array_shapes(min_dims=0, min_side=0, max_dims=3, max_side=3)),
+)
+
+
+@IN_FOLDER
+@given(ARRAYS)
+def test_round_trip(tmp_path, arrays):
+    npz.write(tmp_path / "a.npz", arrays)
+    found = npz.read(tmp_path / "a.npz")
+    assert found.keys() == arrays.keys()
+    for name, array in arrays.items():
+        assert (found[name].dtype, found[name].shape) == (array.dtype, array.shape)
+        assert found[name].tobytes() == array.tobytes()
+    first = (tmp_path / "a.npz").read_bytes()
+    npz.write(tmp_path / "a.npz", dict(reversed(arrays.items())))
+    assert (tmp_path / "a.npz").read_bytes() == first
+
+
+def test_numpy_reads_it(tmp_path):
+    npz.write(tmp_path / "a.npz", {"x": np.arange(3)})
+    assert np.load(tmp_path / "a.npz")["x"].tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize("array", [np.array([{}]), np.array(["text"]), np.array(["2020-01-01"], "M8[D]")])
+def test_other_than_numbers_is_refused_and_nothing_written(tmp_path, array):
+    with pytest.raises(IpcliError, match="NPZ holds numbers only"):
+        npz.write(tmp_path / "a.npz", {"fine": np.ones(2), "x": array})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_pickle_inside_is_refused_and_not_run(tmp_path):
+    np.savez(tmp_path / "a.npz", x=np.array([print], dtype=object))
+    with pytest.raises(FormatError, match="Object arrays cannot be loaded"):
+        npz.read(tmp_path / "a.npz")
+
+
+def test_every_cut_is_refused_and_every_flip_refused_or_harmless(tmp_path):
+    arrays = {"a": np.arange(12.0).reshape(3, 4), "b": np.arange(5, dtype=np.uint8)}
+    npz.write(tmp_path / "a.npz", arrays)
+    data = (tmp_path / "a.npz").read_bytes()
+    for length in range(0, len(data), 7):
+        (tmp_path / "cut.npz").write_bytes(data[:length])
+        with pytest.raises(FormatError):
+            npz.read(tmp_path / "cut.npz")
+    for index in range(len(data)):
+        (tmp_path / "flip.npz").write_bytes(data[:index] + bytes([data[index] ^ 0x55]) + data[index + 1 :])
+        try:
+            found = npz.read(tmp_path / "flip.npz")
+        except FormatError:
+            continue
+        for array in found.values():  # a name may be damaged, since ZIP does not protect names; data are not
+            assert any(np.array_equal(array, original) for original in arrays.values()), index
+
+
+def test_absence_is_told(tmp_path):
+    with pytest.raises(FormatError, match="No such file"):
+        npz.read(tmp_path / "absent.npz")

@@ -1,0 +1,19 @@
+import numpy as np
+import pytest
+
+from ipcli.report.fusion.averages import depth_average, over_scenes
+
+
+def test_errors_have_a_geometric_mean_and_percentages_an_arithmetic_one():
+    values = np.array([[[1.0, 0.0]], [[4.0, 3.0]]])
+    np.testing.assert_allclose(over_scenes(values, ["RMSE", "out-3 %"]), [[2.0, 1.5]])
+
+
+def test_what_is_not_known_of_one_scene_is_not_known_of_the_mean():
+    assert np.isnan(over_scenes(np.array([[1.0], [np.nan]]), ["RMSE"]))[0]
+
+
+def test_the_depth_average_is_that_of_the_thesis_tables():
+    """L1-heuristic of table 4.2: RMSE, ZMAE and NMAE give its Z-avg."""
+    row = np.array([9.0, 0.0831, 0.0572, 0.5893])
+    assert depth_average(row, ["RMSE", "centred RMSE", "Z-MAE", "N-MAE rad"]) == pytest.approx(0.1410, abs=1e-4)

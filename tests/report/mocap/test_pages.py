@@ -1,0 +1,171 @@
+"""The pages of behaviours, recognitions and evaluations, whatever they hold."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ipcli import schema
+from ipcli.report.mocap import action_evaluation, recognition
+from ipcli.report.mocap.action_evaluation import accuracy, mean_and_spread
+from tests.report.conftest import HOSTILE, texts
+from tests.report.fusion.test_pages import ESCAPED, sound
+
+ACTIONS = texts("kick", HOSTILE, "squat")
+GROUPS = texts("legs", "arms")
+
+
+def evaluation(splits=3):
+    rng = np.random.default_rng(1)
+    confusions = rng.poisson(3, (splits, 3, 3)) + 20 * np.eye(3, dtype=np.int64)
+    n = 12 * splits
+    truth = np.arange(n) % 3
+    low = rng.integers(2, 6, (splits, 3, 2)).astype(float)
+    return {
+        "split": np.array("leave-one-out"),
+        "splits": np.array([f"without {name}" for name in "abc"[:splits]]),
+        "classes": ACTIONS,
+        "groups": GROUPS,
+        **{
+            f"{part}_{what}": rng.integers(10, 99, splits) for part in ("train", "test") for what in ("clips", "frames")
+        },
+        "sequence_confusion": confusions,
+        "frame_confusion": 10 * confusions,
+        "pose_sequence_confusion": confusions,
+        "pose_frame_confusion": 10 * confusions,
+        "handfuls": np.array([20, 1]),
+        "handful_confusion": np.stack([confusions, confusions], axis=1),
+        "group_frame_accuracy": rng.random((splits, 2)),
+        "components": np.stack([low + 1, low, low + 3], axis=-1),
+        "clips": np.array([f"clip {index}" for index in range(n)]),
+        "clip_split": np.arange(n) // 12,
+        "clip_truth": truth,
+        "clip_answer": np.where(np.arange(n) % 5, truth, (truth + 1) % 3),
+        "clip_posterior": rng.random(n),
+    }
+
+
+def recognition_artefact(queries="clip", n=7):
+    rng = np.random.default_rng(2)
+    posterior = rng.dirichlet(np.ones(3), n)
+    answers = ACTIONS[posterior.argmax(axis=1)]
+    answers[:1] = "none"
+    return {
+        "queries": np.array(queries),
+        "clips": np.array([f"take {index // 4}" for index in range(n)]),
+        "frames": np.full(n, 30),
+        "times": np.arange(n)[:, None] + np.array([0.0, 1.0]),
+        "actions": ACTIONS,
+        "groups": GROUPS,
+        "answers": answers,
+        "posterior": posterior,
+        "group_posterior": rng.random((n, 2)),
+        "surprise": rng.random(n),
+        "threshold": np.float64(0.9),
+        "truth": np.append(ACTIONS, texts(*["kick"] * n))[:n],
+    }
+
+
+def windows():
+    arrays = recognition_artefact("window")
+    return arrays | {
+        "segment_clip": texts("take 0", "take 0", "take 1"),
+        "segment_time": np.array([[0, 2], [2, 4], [0, 3.0]]),
+        "segment_answer": texts("kick", "none", "squat"),
+        "segment_posterior": np.array([0.9, 0.4, 0.7]),
+        "truth_segment_clip": texts("take 0"),
+        "truth_segment_time": np.array([[0, 2.0]]),
+        "truth_segment_answer": texts("kick"),
+    }
+
+
+def without(arrays, *names):
+    return {name: array for name, array in arrays.items() if name not in names}
+
+
+def variants():
+    yield "evaluation", "several splits", evaluation()
+    yield "evaluation", "one split", evaluation(1)
+    yield "evaluation", "by frames", evaluation() | {"split": np.array("frames")}
+    yield "evaluation", "nothing tested", evaluation() | {"sequence_confusion": np.zeros((3, 3, 3), np.int64)}
+    yield (
+        "evaluation",
+        "no handfuls",
+        evaluation() | {"handfuls": np.empty(0, np.int64), "handful_confusion": np.zeros((3, 0, 3, 3), np.int64)},
+    )
+    yield "recognition", "clips", recognition_artefact()
+    yield "recognition", "one clip", recognition_artefact(n=1)
+    yield "recognition", "no labels", without(recognition_artefact(), "truth")
+    yield "recognition", "handfuls", recognition_artefact("unordered")
+    yield "recognition", "windows", windows()
+    yield (
+        "recognition",
+        "windows without labels",
+        without(windows(), "truth", *(name for name in windows() if name.startswith("truth_"))),
+    )
+    yield (
+        "recognition",
+        "no frames",
+        recognition_artefact() | {"surprise": np.full(7, np.nan), "group_posterior": np.full((7, 2), np.nan)},
+    )
+    yield (
+        "recognition",
+        "never none",
+        recognition_artefact() | {"threshold": np.float64(np.inf), "answers": ACTIONS[np.arange(7) % 3]},
+    )
+
+
+PAGES = {"evaluation": action_evaluation.page, "recognition": recognition.page}
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("kind", "arrays"), [pytest.param(kind, arrays, id=f"{kind}-{name}") for kind, name, arrays in variants()]
+)
+def test_every_variant_is_valid_and_makes_a_sound_page(kind, arrays, provenance):
+    schema.validate(schema.kind(kind), arrays)
+    html = PAGES[kind](arrays, provenance)
+    sound(html)
+    assert ESCAPED in html
+    assert HOSTILE not in html
+    assert html == PAGES[kind](arrays, provenance)
+
+
+def test_shares_are_those_of_the_counts():
+    assert accuracy(np.array([[3, 1], [0, 4]])) == 7 / 8
+    assert np.isnan(accuracy(np.zeros((2, 2))))
+    assert mean_and_spread(np.array([0.5])) == "50\N{NO-BREAK SPACE}%"
+    assert mean_and_spread(np.array([0.4, 0.6, np.nan])) == "50\N{NO-BREAK SPACE}% ± 14.1"
+
+
+def test_a_protocol_that_leaks_says_so(provenance):
+    for split, leaks in (("frames", True), ("clips", True), ("subjects", False), ("leave-one-out", False)):
+        html = action_evaluation.page(evaluation() | {"split": np.array(split)}, provenance)
+        assert ('class="notice"' in html) == leaks
+
+
+def test_wrong_clips_are_listed_and_counted(provenance):
+    html = action_evaluation.page(evaluation(1), provenance)
+    wrong = [index for index in range(12) if index % 5 == 0]
+    assert f"{len(wrong)} of 12 clips were named wrong." in html
+    assert all((f"clip {index}<" in html) == (index in wrong) for index in range(12))
+
+
+def test_a_label_that_the_model_does_not_know_gets_its_own_row(provenance):
+    arrays = recognition_artefact()
+    arrays["truth"][-1] = "dance"
+    html = recognition.page(arrays, provenance)
+    assert html.count("n = 1<") >= 1
+    assert ">dance</text>" in html
+
+
+def test_the_time_named_right_is_that_of_the_overlaps():
+    """Of 2 s of kick in take 0 all was named kick, of the 2 s after it 1 s none and 1 s kick; take 1 has no label."""
+    arrays = windows() | {
+        "segment_time": np.array([[0, 3.0], [3, 4], [0, 3]]),
+        "truth_segment_clip": texts("take 0", "take 0"),
+        "truth_segment_time": np.array([[0, 2.0], [2, 4]]),
+        "truth_segment_answer": texts("kick", "squat"),
+    }
+    assert recognition.shares_of_time(arrays) == (0.5, 0.25)
+    assert "50 % was named right and 25 % none" in recognition.page(arrays, {}).replace("\N{NO-BREAK SPACE}", " ")

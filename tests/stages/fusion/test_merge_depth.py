@@ -1,0 +1,124 @@
+"""fuse-depth --all and merge-depth, from views to a cloud."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ipcli import schema
+from ipcli.cli.main import main
+from ipcli.errors import FormatError, OutputExists, ParameterError
+from ipcli.inverse.regularize.parameters import Solver
+from ipcli.io.files import h5, ply
+from ipcli.models.fusion.merge import merge
+from ipcli.models.fusion.parameters import Fusion, Merge
+from ipcli.params import Run
+from ipcli.report.fusion.fusion_cloud import page
+from ipcli.stages.fusion import fuse_depth, merge_depth
+from ipcli.stages.fusion.merge_depth import Params
+from ipcli.stages.kit.artefact import Outcome
+from tests.fixtures.fusion_scenes import scene, write
+from tests.models.fusion.test_merge import distance
+
+NOISE = 0.02
+
+
+def fuse(folder, name, **facts):
+    source = write(folder / f"{name}.views.h5", scene(7, noise=NOISE), **facts)
+    each = fuse_depth.Params(every=True, window=5, fusion=Fusion(solver=Solver(iterations=200), rounds=2))
+    return list(fuse_depth.run_all(source, folder / name, each, Run()))
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    return fuse(tmp_path_factory.mktemp("maps"), "scene")
+
+
+@pytest.fixture(scope="module")
+def cloud(files, tmp_path_factory):
+    output = tmp_path_factory.mktemp("cloud") / "x.ply"
+    assert merge_depth.run(files, output, Params(), Run()) is Outcome.DONE
+    return output
+
+
+def contents(output):
+    return {suffix: output.with_suffix(suffix).read_bytes() for suffix in (".h5", ".ply", ".html")}
+
+
+def test_the_cloud_lies_on_the_surface(cloud):
+    found = h5.read(cloud.with_suffix(".h5"), "cloud").arrays
+    schema.validate(schema.kind("cloud"), found)
+    assert np.median(distance(found["points"].astype(np.float64))) < NOISE / 3
+    assert (found["map_confirmed"] > 0.5 * found["map_points"]).all()
+    assert found["map_points"].sum() > 20_000
+    assert len(found["points"]) > 4800
+
+
+def test_the_ply_holds_the_same_points_and_names_the_digest(cloud):
+    artefact, points = h5.read(cloud.with_suffix(".h5"), "cloud"), ply.read(cloud)
+    np.testing.assert_array_equal(points.vertices, artefact.arrays["points"])
+    np.testing.assert_array_equal(points.normals, artefact.arrays["normals"])
+    np.testing.assert_array_equal(points.colors, artefact.arrays["colors"])
+    for name in ("confidence", "views"):
+        np.testing.assert_array_equal(points.extra[name], artefact.arrays[name])
+    assert artefact.provenance["digest"] in points.comments[0]
+    assert "unit m" in points.comments[0]
+
+
+def test_a_cloud_without_colours_is_shown_in_clay(cloud):
+    artefact = h5.read(cloud.with_suffix(".h5"), "cloud")
+    plain = {name: array for name, array in artefact.arrays.items() if name != "colors"}
+    shown = page(plain, artefact.provenance)
+    assert "<img" in shown
+    assert shown != cloud.with_suffix(".html").read_text()
+
+
+def test_the_order_of_the_files_does_not_matter(files, cloud, tmp_path):
+    merge_depth.run([*files[3:], *files[:4][::-1]], tmp_path / "x.ply", Params(), Run())
+    assert contents(tmp_path / "x.ply") == contents(cloud)
+
+
+def test_maps_that_are_read_over_and_over_give_the_same_cloud(files):
+    few, all_at_once = merge_depth.Maps(files, held=1), [merge_depth.read_map(path) for path in files]
+    a, b = (merge(maps, Merge()) for maps in (few, all_at_once))
+    np.testing.assert_array_equal(a.points.position, b.points.position)
+    np.testing.assert_array_equal(a.counts, b.counts)
+    assert few._read.cache_info().misses > 3 * len(files)
+
+
+def test_a_second_run_is_up_to_date_and_other_parameters_are_refused(files, cloud):
+    before = contents(cloud)
+    assert merge_depth.run(files, cloud, Params(), Run()) is Outcome.UP_TO_DATE
+    with pytest.raises(OutputExists, match="--overwrite"):
+        merge_depth.run(files, cloud, Params(Merge(agree=3)), Run())
+    with pytest.raises(OutputExists, match="--overwrite"):
+        merge_depth.run(files[1:], cloud, Params(), Run())
+    cloud.unlink()
+    assert merge_depth.run(files, cloud, Params(), Run()) is Outcome.DONE
+    assert contents(cloud) == before
+
+
+def test_maps_in_different_units_are_refused(files, tmp_path):
+    other = fuse(tmp_path, "feet", unit="ft")
+    with pytest.raises(
+        FormatError, match="another unit than .*expected ft, got m|another unit than .*expected m, got ft"
+    ):
+        merge_depth.run([*files, *other], tmp_path / "x.ply", Params(), Run())
+    assert not (tmp_path / "x.ply").exists()
+
+
+def test_another_suffix_is_refused(files, tmp_path):
+    with pytest.raises(ParameterError, match="X.ply"):
+        merge_depth.run(files, tmp_path / "x.pcd", Params(), Run())
+
+
+def test_the_command_line(files, tmp_path, capsys):
+    given, output = [*map(str, files)], str(tmp_path / "x.ply")
+    assert main(["merge-depth", *given[:2], "-o", output]) == 3
+    assert "lower --agree" in capsys.readouterr().err
+    assert main(["merge-depth", *given, "-o", output, "--spacing", "0.05"]) == 0
+    assert capsys.readouterr().out == f"{output}\n"
+    assert main(["report", str(tmp_path / "x.h5"), "-o", str(tmp_path / "again.html")]) == 0
+    page = (tmp_path / "again.html").read_text(encoding="utf-8")
+    assert page == (tmp_path / "x.html").read_text(encoding="utf-8")
+    assert "00.fused.h5" in page
