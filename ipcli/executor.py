@@ -15,9 +15,9 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ipcli.errors import IpcliError, ParameterError
+from ipcli.progress import Progress, silent
 
 THREAD_VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
-Progress = Callable[[float, str], None]
 
 
 class ItemsFailed(IpcliError):
@@ -45,7 +45,7 @@ def set_threads(count: int) -> None:
 
 
 def map_items(
-    function: Callable[[str], Any], items: Sequence[str], executor: str = "serial", progress: Progress | None = None
+    function: Callable[[str], Any], items: Sequence[str], executor: str = "serial", progress: Progress = silent
 ) -> dict[str, Any]:
     """`{name: function(name)}` in the order of `items`. One that fails does not stop the others; then ItemsFailed.
 
@@ -58,8 +58,7 @@ def map_items(
     attempts: dict[str, Attempt] = {}
     for name, outcome in _attempts(attempt, items, executor):
         attempts[name] = outcome
-        if progress:
-            progress(len(attempts) / len(items), name)
+        progress(len(attempts) / len(items), name)
     done = {name: attempts[name].result for name in items if attempts[name].reason is None}
     failed = {name: attempts[name].reason for name in items if attempts[name].reason is not None}
     if failed:

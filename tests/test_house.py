@@ -21,8 +21,8 @@ from ipcli.cli import main as cli
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "ipcli"
 MODULES = sorted(PACKAGE.rglob("*.py"))
-GROUND = {"__init__", "errors", "schema", "params", "provenance", "rng", "executor", "threads"}
-MATHEMATICS = {"geometry", "kernels", "errors", "params", "rng", "threads"}
+GROUND = {"__init__", "errors", "schema", "params", "provenance", "rng", "executor", "threads", "progress"}
+MATHEMATICS = {"geometry", "kernels", "errors", "params", "rng", "threads", "progress"}
 MAY_IMPORT = {
     "kernels": {"__init__"},  # the version, for the cache; a cached kernel must not depend on another file
     "geometry": {"geometry", "kernels", "errors", "threads"},

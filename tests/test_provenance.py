@@ -45,7 +45,7 @@ def test_several_files_have_one_digest_whatever_their_order_and_folder(tmp_path)
 
 def test_what_is_not_there_is_named(tmp_path):
     with pytest.raises(IpcliError, match="absent: cannot be read: No such file"):
-        provenance.record("c", {}, [tmp_path / "absent"], "depth", 0)
+        provenance.record("c", {}, [tmp_path / "absent"], "fused-depth", 0)
 
 
 def test_the_digest_depends_on_each_part_but_not_on_the_order_of_keys():
@@ -62,7 +62,7 @@ def test_the_digest_depends_on_each_part_but_not_on_the_order_of_keys():
 
 def test_a_record_repeats_in_another_folder_and_names_no_path(tmp_path):
     records = [
-        provenance.record("fuse-depth", {"a": 1}, [tree(tmp_path / place / "in", FILES)], "depth", 7)
+        provenance.record("fuse-depth", {"a": 1}, [tree(tmp_path / place / "in", FILES)], "fused-depth", 7)
         for place in ("one", "two")
     ]
     assert json.dumps(records[0]) == json.dumps(records[1])

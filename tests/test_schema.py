@@ -69,14 +69,14 @@ def test_lengths_that_disagree_name_the_other_field(kind):
     first, other, dim = {
         "views": ("views/a/depth", "views/a/confidence", "w"),
         "depth": ("depth", "confidence", "w"),
-        "comparison": ("methods", "values", "m"),
-        "tuning": ("methods", "best", "m"),
-        "trials": ("methods", "lambdas", "m"),
-        "cloud": ("maps", "map_points", "m"),
+        "fusion-comparison": ("methods", "values", "m"),
+        "fusion-tuning": ("methods", "best", "m"),
+        "fusion-trials": ("methods", "lambdas", "m"),
+        "fusion-cloud": ("maps", "map_points", "m"),
         "clips": ("clips", "labels", "c"),
         "behaviours": ("actions", "frames", "a"),
-        "recognition": ("clips", "answers", "q"),
-        "evaluation": ("classes", "components", "c"),
+        "action-recognition": ("clips", "answers", "q"),
+        "action-evaluation": ("classes", "components", "c"),
     }[kind.name]
     axis = kind.field(other)[0].dims.index(dim)
     length = arrays[first].shape[-1]
@@ -86,34 +86,34 @@ def test_lengths_that_disagree_name_the_other_field(kind):
 
 
 def test_items_of_a_collection_have_sizes_of_their_own():
-    arrays = example(schema.VIEWS)
+    arrays = example(schema.kind("views"))
     arrays |= {name.replace("/a/", "/b/"): array for name, array in arrays.items() if "/a/" in name}
     for field in ("depth", "confidence", "truth"):
         arrays[f"views/b/{field}"] = np.ones((5, 7), np.float32)
     arrays["views/b/image"] = np.ones((5, 7, 3), np.uint8)
-    schema.validate(schema.VIEWS, arrays)
+    schema.validate(schema.kind("views"), arrays)
     del arrays["views/b/intrinsics"]
     with pytest.raises(schema.SchemaError, match="^views/b/intrinsics: missing"):
-        schema.validate(schema.VIEWS, arrays)
+        schema.validate(schema.kind("views"), arrays)
 
 
 @pytest.mark.parametrize("value", [0.0, -1.0, np.inf, -np.inf])
 def test_depth_is_positive_or_unknown(value):
-    arrays = example(schema.VIEWS)
+    arrays = example(schema.kind("views"))
     arrays["views/a/depth"][1, 0] = np.nan
-    schema.validate(schema.VIEWS, arrays)
+    schema.validate(schema.kind("views"), arrays)
     arrays["views/a/depth"][1, 2] = value
     with pytest.raises(schema.SchemaError, match=r"views/a/depth: value not allowed .*at \(1, 2\), 1 of 6"):
-        schema.validate(schema.VIEWS, arrays)
+        schema.validate(schema.kind("views"), arrays)
 
 
 def test_confidence_may_be_zero_but_not_unknown():
-    arrays = example(schema.VIEWS)
+    arrays = example(schema.kind("views"))
     arrays["views/a/confidence"][:] = 0
-    schema.validate(schema.VIEWS, arrays)
+    schema.validate(schema.kind("views"), arrays)
     arrays["views/a/confidence"][0, 0] = np.nan
     with pytest.raises(schema.SchemaError, match="confidence: value not allowed"):
-        schema.validate(schema.VIEWS, arrays)
+        schema.validate(schema.kind("views"), arrays)
 
 
 @pytest.mark.parametrize(
@@ -121,13 +121,13 @@ def test_confidence_may_be_zero_but_not_unknown():
 )
 def test_text_is_one_of_the_choices_and_can_be_stored(text, message):
     with pytest.raises(schema.SchemaError, match=message):
-        schema.validate(schema.VIEWS, example(schema.VIEWS) | {"measured": np.array(text)})
+        schema.validate(schema.kind("views"), example(schema.kind("views")) | {"measured": np.array(text)})
 
 
 @pytest.mark.parametrize("name", ["dept", "views/a/deph", "views//depth", "views/.a/depth", "views/a/b/depth", "extra"])
 def test_an_unknown_field_is_refused_with_a_suggestion(name):
     with pytest.raises(schema.SchemaError, match="not a field of 'views'; did you mean '"):
-        schema.validate(schema.VIEWS, example(schema.VIEWS) | {name: np.zeros(1)})
+        schema.validate(schema.kind("views"), example(schema.kind("views")) | {name: np.zeros(1)})
 
 
 def test_an_unknown_kind_names_the_nearest():

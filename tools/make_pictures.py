@@ -97,5 +97,5 @@ def write(name: str, picture: np.ndarray) -> None:
 if __name__ == "__main__":
     if not (DEMO / "motions.model.h5").is_file():
         sys.exit(f"{DEMO}: not there. Run `make demo` first")
-    write("fuse-depth", montage(h5.read(DEMO / "shapes.fused.h5", "depth").arrays)[..., ::-1])
+    write("fuse-depth", montage(h5.read(DEMO / "shapes.fused.h5", "fused-depth").arrays)[..., ::-1])
     write("mocap-train", behaviours(h5.read(DEMO / "motions.model.h5", "behaviours").arrays))

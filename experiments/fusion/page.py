@@ -71,15 +71,15 @@ def gather(name: str, out: Path, files: list[Path], quick: bool) -> Experiment:
         kind = "panels" if path.suffix == ".npz" else h5.peek(path).kind
         if kind == "panels":
             found["panels"] = npz.read(path)
-        elif kind == "trials" and path.parent != out.parent:
+        elif kind == "fusion-trials" and path.parent != out.parent:
             sweep, _, value = path.parent.name.rpartition("-")
             found["sweeps"][sweep][float(value)].append(
-                h5.read(path, "trials", only=lambda n: n in ("methods", "rules", "columns", "values")).arrays
+                h5.read(path, "fusion-trials", only=lambda n: n in ("methods", "rules", "columns", "values")).arrays
             )
-        elif kind == "trials":
-            found["scenes"][path.name.split(".")[0]] = h5.read(path, "trials").arrays
+        elif kind == "fusion-trials":
+            found["scenes"][path.name.split(".")[0]] = h5.read(path, "fusion-trials").arrays
         else:
-            found["table" if kind == "comparison" else kind] = h5.read(path, kind).arrays
+            found["table" if kind == "fusion-comparison" else kind.removeprefix("fusion-")] = h5.read(path, kind).arrays
     about = dict(EXPERIMENTS[name])
     if quick:
         about["lead"] = (

@@ -49,9 +49,9 @@ def gather(name: str, files: list[Path], quick: bool) -> Experiment:
     for path in files:
         if path.suffix == ".json":
             peers = json.loads(path.read_text(encoding="utf-8"))["tables"]
-        elif h5.peek(path).kind == "evaluation":
+        elif h5.peek(path).kind == "action-evaluation":
             method, split = path.name.removesuffix(".evaluation.h5").split("-", 1)
-            evaluations[method, split] = h5.read(path, "evaluation").arrays
+            evaluations[method, split] = h5.read(path, "action-evaluation").arrays
         else:
             model = h5.read(path, "behaviours").arrays
     title, lead = EXPERIMENTS[name]

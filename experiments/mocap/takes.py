@@ -22,7 +22,7 @@ from ipcli.io.files import atomic, h5
 from ipcli.io.motion import artefact
 from ipcli.io.motion.groups import find
 from ipcli.measurements.motions import Clip, Motion
-from ipcli.report.mocap.recognition import shares_of_time
+from ipcli.report.mocap.action_recognition import shares_of_time
 from ipcli.rng import stream
 
 TITLE = "Long takes of people not learnt from"
@@ -97,7 +97,7 @@ def write_page(out: Path, files: list[Path]) -> None:
     """The page, and what it tells as CSV and JSON."""
     found = {}
     for path in files:
-        artefact = h5.read(path, "recognition")
+        artefact = h5.read(path, "action-recognition")
         found[artefact.provenance["params"]["window"], artefact.provenance["params"]["none"]] = artefact.arrays
     rows, text = rows_of(found), io.StringIO()
     writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")

@@ -11,7 +11,7 @@ import numpy as np
 from ipcli.report.kit.numbers import percent
 from ipcli.report.kit.page import page as document
 from ipcli.report.kit.page import section, table
-from ipcli.report.mocap.recognition import shares_of_time, timelines
+from ipcli.report.mocap.action_recognition import shares_of_time, timelines
 
 Arrays = Mapping[str, np.ndarray]
 

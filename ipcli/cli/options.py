@@ -20,14 +20,12 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
 import click
 
 from ipcli.params import Leaf, Run, expected, leaves, resolve, shape
-
-if TYPE_CHECKING:
-    from ipcli.executor import Progress
+from ipcli.progress import Progress
 
 LINE_EVERY = 30.0  # seconds between lines of progress when stderr is no terminal
 BAR = 40  # columns

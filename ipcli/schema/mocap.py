@@ -127,7 +127,7 @@ BEHAVIOURS = Kind(
 )
 
 RECOGNITION = Kind(
-    "recognition",
+    "action-recognition",
     1,
     "The actions that queries (clips, handfuls of their frames, or windows along them) were recognised as.",
     (
@@ -171,7 +171,7 @@ RECOGNITION = Kind(
 )
 
 EVALUATION = Kind(
-    "evaluation",
+    "action-evaluation",
     1,
     "Right and wrong answers of models that were trained on a part of the clips and asked about another part.",
     (
@@ -216,3 +216,5 @@ EVALUATION = Kind(
         Field("clip_posterior", "float64", ("n",), "1", "Posterior of the answer", domain=WEIGHT),
     ),
 )
+
+KINDS = (CLIPS, BEHAVIOURS, RECOGNITION, EVALUATION)

@@ -60,7 +60,7 @@ def test_the_path_is_printed_alone_and_a_second_run_is_up_to_date(source, tell, 
     assert json.loads(out) == {"output": str(output)}
     fails(tell(source, "--lambda", "0.5"), 1, "--overwrite")
     assert tell(source, "--lambda", "0.5", "--overwrite")[0] == 0
-    assert float(h5.read(output, "depth").arrays["lambda"]) == 0.5
+    assert float(h5.read(output, "fused-depth").arrays["lambda"]) == 0.5
 
 
 def test_the_console_script_is_the_same_command(source, tmp_path, capsys):
@@ -109,7 +109,7 @@ def test_a_flag_beats_the_environment_beats_the_configuration(source, tell, tmp_
     config.write_text("reference = '00'\nwindow = 2\n[fusion]\nlam = 0.7\n")
     monkeypatch.setenv("IPCLI_WINDOW", "3")
     assert tell(source, "--config", str(config), "--reference", "01")[0] == 0
-    found = h5.read(output, "depth").arrays
+    found = h5.read(output, "fused-depth").arrays
     assert list(found["views"]) == ["00", "01", "02"]
     assert float(found["lambda"]) == 0.7
 

@@ -48,7 +48,7 @@ def test_json_is_the_header(views, capsys):
     assert main(["info", "--json", str(path)]) == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["file"], found["kind"], found["version"], found["provenance"]) == (str(path), "views", 1, record)
-    doc = schema.VIEWS.fields[0].doc
+    doc = schema.kind("views").fields[0].doc
     assert found["datasets"]["views/005/depth"] == {"shape": [2, 3], "dtype": "float32", "units": "unit", "doc": doc}
 
 

@@ -117,7 +117,7 @@ def test_a_long_take_is_parted_where_its_actions_change(place, tell, tmp_path):
     np.testing.assert_allclose(ends, [1.5, 3.0, 4.5], atol=0.3)
     assert [row["start_s"] for row in rows[1:]] == [row["end_s"] for row in rows[:-1]]
     assert float(rows[0]["start_s"]) == 0
-    found = h5.read(tmp_path / "out" / "x.h5", "recognition").arrays
+    found = h5.read(tmp_path / "out" / "x.h5", "action-recognition").arrays
     np.testing.assert_allclose(found["truth_segment_time"], [[0, 1.5], [1.5, 3], [3, 4.5]])
 
 
@@ -155,7 +155,9 @@ def test_the_order_of_frames_and_missing_ones_change_nothing_or_little(place, te
     assert answers[0]["surprise"] == pytest.approx(answers[1]["surprise"])
     assert answers[2]["frames"] < answers[0]["frames"]
     assert tell("mocap-classify", place / "model.h5", tmp_path / "c.clips.h5", "--no-motion", output="y.h5")[0] == 0
-    moving, alone = (h5.read(tmp_path / "out" / name, "recognition").arrays["posterior"] for name in ("x.h5", "y.h5"))
+    moving, alone = (
+        h5.read(tmp_path / "out" / name, "action-recognition").arrays["posterior"] for name in ("x.h5", "y.h5")
+    )
     np.testing.assert_allclose(alone[0], alone[1], rtol=1e-6)
     assert (moving[0] > 2 * moving[1]).any() or (moving[1] > 2 * moving[0]).any()
 
@@ -174,7 +176,7 @@ def test_the_order_of_frames_and_missing_ones_change_nothing_or_little(place, te
 def test_every_protocol_is_evaluated(place, tell, tmp_path, split, splits, more):
     options = ["--groups", place / "groups.toml", "--split", split, *more, *QUICK]
     assert tell("mocap-evaluate", place / "all.clips.h5", *options)[0] == 0
-    found = h5.read(tmp_path / "out" / "x.h5", "evaluation").arrays
+    found = h5.read(tmp_path / "out" / "x.h5", "action-evaluation").arrays
     assert len(found["splits"]) == splits
     assert list(found["handfuls"]) == [20, 5, 1]
     frames, clips = found["frame_confusion"], found["sequence_confusion"]
@@ -195,7 +197,7 @@ def test_an_evaluation_of_some_people_actions_and_splits_is_of_those_alone(place
     usual = ["--groups", place / "groups.toml", *QUICK]
     some = ["--actors", "bob,cyd,dan", "--actions", "kick,bow", "--split", "published", "--only", "second"]
     assert tell("mocap-evaluate", place / "all.clips.h5", *usual, *some)[0] == 0
-    found = h5.read(tmp_path / "out" / "x.h5", "evaluation").arrays
+    found = h5.read(tmp_path / "out" / "x.h5", "action-evaluation").arrays
     assert list(found["splits"]) == ["second"]
     assert list(found["classes"]) == ["bow", "kick"]
     assert found["train_clips"] == [8]
@@ -217,7 +219,7 @@ def still(place):
 def posteriors(tell, tmp_path, *arguments):
     """The posteriors that mocap-classify gives."""
     assert tell("mocap-classify", *arguments, output="p.h5")[0] == 0
-    found = h5.read(tmp_path / "out" / "p.h5", "recognition").arrays["posterior"]
+    found = h5.read(tmp_path / "out" / "p.h5", "action-recognition").arrays["posterior"]
     (tmp_path / "out" / "p.h5").unlink()
     return found
 
@@ -259,7 +261,7 @@ def test_a_single_frame_is_a_clip_whose_motion_is_not_known(place, still, tell, 
 def test_an_evaluation_without_motion_is_that_of_poses(place, tell, tmp_path):
     options = ["--groups", place / "groups.toml", "--split", "subjects", "--motion", "0", *QUICK]
     assert tell("mocap-evaluate", place / "all.clips.h5", *options)[0] == 0
-    found = h5.read(tmp_path / "out" / "x.h5", "evaluation").arrays
+    found = h5.read(tmp_path / "out" / "x.h5", "action-evaluation").arrays
     assert "motion" not in found["groups"]
     assert found["group_frame_accuracy"].shape == (1, len(found["groups"]))
     for what in ("frame", "sequence"):
@@ -303,7 +305,7 @@ def test_an_evaluation_learns_mirror_images_and_asks_about_none(place, tell, tmp
         assert (
             tell("mocap-evaluate", asked, "--groups", place / "groups.toml", *more, *QUICK, output=f"{name}.h5")[0] == 0
         )
-        told[name] = h5.read(tmp_path / "out" / f"{name}.h5", "evaluation").arrays
+        told[name] = h5.read(tmp_path / "out" / f"{name}.h5", "action-evaluation").arrays
         assert (told[name]["train_frames"], told[name]["test_frames"]) == (288, 288)
     right = {name: np.trace(found["frame_confusion"][0]) / 288 for name, found in told.items()}
     assert right["both"] > 0.9

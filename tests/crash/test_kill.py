@@ -94,7 +94,7 @@ def rerun_in_one(source, folders, whole):
             os.utime(stray, (0, time.time() - 2 * atomic.DAY))
         assert main(arguments(source, folder)[3:]) == 0
         assert contents(folder) == whole
-        h5.read(folder / "x.fused.h5", "depth"), ply.read(folder / "x.fused.ply")
+        h5.read(folder / "x.fused.h5", "fused-depth"), ply.read(folder / "x.fused.ply")
         if (folder / "x.fused.run.json").exists() and strays(folder):  # up to date: nothing was written, nothing swept
             assert main([*arguments(source, folder)[3:], "--overwrite"]) == 0
         assert not strays(folder)

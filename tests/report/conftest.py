@@ -1,4 +1,4 @@
-"""A small synthetic "depth" artefact, complete and valid, from which the tests take parts away."""
+"""A small synthetic "fused-depth" artefact, complete and valid, from which the tests take parts away."""
 
 from __future__ import annotations
 

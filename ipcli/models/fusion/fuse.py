@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +20,7 @@ from ipcli.models.fusion.parameters import METHODS, Fusion, Method
 from ipcli.models.fusion.pyramid import start
 from ipcli.models.fusion.reassociation import reassociate
 from ipcli.models.fusion.reprojection import Layers, reproject_all
+from ipcli.progress import Progress, silent
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +57,7 @@ def fuse(
     fusion: Fusion,
     *,
     inverse: bool,
-    progress: Callable[[float, str], None] = lambda share, what: None,
+    progress: Progress = silent,
     scales: Sequence[Scale] | None = None,
 ) -> Fused:
     """Fuse the views, the reference among them if it is to count, in depth or in inverse depth.

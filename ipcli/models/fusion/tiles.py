@@ -8,7 +8,7 @@ filled otherwise.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, product
 
@@ -22,6 +22,7 @@ from ipcli.models.fusion.observations import Normalised, measure
 from ipcli.models.fusion.parameters import METHODS, Fusion
 from ipcli.models.fusion.reassociation import reassociate
 from ipcli.models.fusion.reprojection import Layers, reproject_all
+from ipcli.progress import Progress, silent
 
 SIDE = 1024  # pixels of a tile, unless told otherwise
 MARGIN = 64  # pixels around it
@@ -73,7 +74,7 @@ def fuse_in_tiles(
     side: int,
     *,
     inverse: bool,
-    progress: Callable[[float, str], None] = lambda share, what: None,
+    progress: Progress = silent,
 ) -> Fused:
     """As `fuse`, tile by tile; views are asked for again for every tile. A tile that nothing reaches stays NaN.
 

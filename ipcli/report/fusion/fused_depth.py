@@ -1,4 +1,4 @@
-"""The page of a fused depth map: a pure function of the "depth" artefact."""
+"""The page of a fused depth map: a pure function of the "fused-depth" artefact."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Look:
 
 
 def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = pictures.WIDEST) -> str:
-    """The HTML page of a "depth" artefact, the same bytes for the same artefact.
+    """The HTML page of a "fused-depth" artefact, the same bytes for the same artefact.
 
     ``arrays`` and ``provenance`` are those of the artefact; no picture is stored wider than ``widest`` pixels.
     """

@@ -17,7 +17,7 @@ CANVAS = (540, 860)  # rows and columns of the picture
 
 
 def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = pictures.WIDEST) -> str:
-    """The HTML of a "cloud" artefact; no picture is stored wider than `widest` pixels."""
+    """The HTML of a "fusion-cloud" artefact; no picture is stored wider than `widest` pixels."""
     unit, count = str(arrays["unit"]), len(arrays["points"])
     verdict = (
         f"{count} points on a grid of {with_unit(float(arrays['spacing']), unit)}; half of them are seen alike by "

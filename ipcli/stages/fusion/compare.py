@@ -28,13 +28,14 @@ def run(files: Sequence[Path], output: Path, params: Params, run: Run) -> Outcom
     when two files of a scene give the same method, or other figures for the same baseline.
     """
     from ipcli.stages.kit.artefact import Job, make
+    from ipcli.stages.kit.pages import page
 
     beside = {
-        output.with_suffix(".html"): write_page,
+        **page(output, "fusion-comparison"),
         output.with_suffix(".csv"): write_csv,
         output.with_suffix(".json"): write_json,
     }
-    job = Job(output, "comparison", "compare", params, tuple(files), beside)
+    job = Job(output, "fusion-comparison", "compare", params, tuple(files), beside)
     return make(job, lambda: comparison(files), run)
 
 
@@ -62,18 +63,18 @@ def measures(path: Path, columns: list[str] | None) -> tuple[list[str], dict[str
     """Columns, and the figures of each method, of a fused map or of trials; the columns must be those given, if any."""
     from ipcli.io.files import h5
 
-    found, rows = (of_trials if h5.peek(path).kind == "trials" else of_fused_map)(path)
+    found, rows = (of_trials if h5.peek(path).kind == "fusion-trials" else of_fused_map)(path)
     if columns is not None and found != columns:
         raise FormatError(path, "has other measures than the files before it", expected=columns, got=found)
     return found, rows
 
 
 def of_fused_map(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
-    """What a `depth` artefact says of its map and of those beside it."""
+    """What a `fused-depth` artefact says of its map and of those beside it."""
     from ipcli.io.files import h5
 
     wanted = ("metrics", "metric_rows", "metric_columns", "method")
-    artefact = h5.read(path, "depth", only=lambda name: name in wanted)
+    artefact = h5.read(path, "fused-depth", only=lambda name: name in wanted)
     arrays, lam = artefact.arrays, artefact.provenance["params"]["fusion"]["lam"]
     if "metrics" not in arrays:
         raise FormatError(path, "holds no error measures", fix="Fuse views whose reference has a truth")
@@ -89,16 +90,8 @@ def of_trials(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
     from ipcli.io.files import h5
     from ipcli.report.fusion.fusion_trials import row_names
 
-    arrays = h5.read(path, "trials", only=lambda name: name in ("methods", "rules", "columns", "values")).arrays
+    arrays = h5.read(path, "fusion-trials", only=lambda name: name in ("methods", "rules", "columns", "values")).arrays
     return [str(name) for name in arrays["columns"]], dict(zip(row_names(arrays), arrays["values"], strict=True))
-
-
-def write_page(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """The page to look at."""
-    from ipcli.io.files import atomic
-    from ipcli.report.fusion import fusion_comparison
-
-    atomic.write_text(path, fusion_comparison.page(arrays, provenance))
 
 
 def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:

@@ -4,13 +4,14 @@ one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ipcli.errors import ParameterError
 from ipcli.params import Run, option
+from ipcli.progress import Progress, silent
 from ipcli.stages.fusion.scenes import Judged, Scene, Trials, Variant, open_scene, parse
 from ipcli.stages.fusion.tune_fusion import best_lambdas
 
@@ -58,24 +59,23 @@ def run(
     params: Params,
     run: Run,
     tuning: Path | None = None,
-    progress: Callable[[float, str], None] = lambda share, what: None,
+    progress: Progress = silent,
 ) -> Outcome:
     """Write the `trials` artefact and beside it a page (.html). Methods that `tuning` has not are not shown at a tuned
     lambda.
     """
     from ipcli.stages.kit.artefact import Job, make
+    from ipcli.stages.kit.pages import page
 
     if params.fusion.lam is not None:
         raise ParameterError("lambda is the automatic one or that of --tuning: leave out --lambda")
     lambdas = best_lambdas(tuning) if tuning else {}
     inputs = (source, tuning) if tuning else (source,)
-    job = Job(output, "trials", "evaluate-fusion", params, inputs, {output.with_suffix(".html"): write_page})
+    job = Job(output, "fusion-trials", "evaluate-fusion", params, inputs, page(output, "fusion-trials"))
     return make(job, lambda: trials(open_scene(source, params), params, lambdas, progress), run)
 
 
-def trials(
-    scene: Scene, params: Params, lambdas: Mapping[str, float], progress: Callable[[float, str], None]
-) -> dict[str, np.ndarray]:
+def trials(scene: Scene, params: Params, lambdas: Mapping[str, float], progress: Progress) -> dict[str, np.ndarray]:
     """The arrays of the artefact."""
     import numpy as np
 
@@ -99,9 +99,7 @@ def trials(
     }
 
 
-def fused_rows(
-    scene: Scene, params: Params, lambdas: Mapping[str, float], progress: Callable[[float, str], None]
-) -> list[Row]:
+def fused_rows(scene: Scene, params: Params, lambdas: Mapping[str, float], progress: Progress) -> list[Row]:
     """The maps that are given, then every method by the automatic lambda and by the tuned one."""
     tasks: list[tuple[Variant, str, float | None]] = []
     for variant in params.variants:
@@ -160,11 +158,3 @@ def shares() -> np.ndarray:
     import numpy as np
 
     return np.linspace(100 / POINTS, 100, POINTS)
-
-
-def write_page(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """The page to look at."""
-    from ipcli.io.files import atomic
-    from ipcli.report.fusion import fusion_trials
-
-    atomic.write_text(path, fusion_trials.page(arrays, provenance))

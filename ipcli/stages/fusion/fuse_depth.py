@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ipcli.errors import NoSolution, ParameterError
 from ipcli.models.fusion.parameters import Fusion
 from ipcli.params import Run, option
+from ipcli.progress import Progress, silent
 from ipcli.stages.fusion.sources import Source, open_source, source_files
 
 if TYPE_CHECKING:
@@ -56,20 +57,20 @@ def run(
     output: Path,
     params: Params,
     run: Run,
-    progress: Callable[[float, str], None] = lambda share, what: None,
+    progress: Progress = silent,
 ) -> Outcome:
     """Write the fused map and beside it a mesh (.ply) and a report (.html). NoSolution if no view overlaps the
     reference.
     """
     if params.every or params.step != 1:
         raise ParameterError("--step goes with --all, which fuses into a folder")
-    beside = {output.with_suffix(".ply"): write_mesh, output.with_suffix(".html"): write_report}
+    from ipcli.stages.kit.pages import page
+
+    beside = {output.with_suffix(".ply"): write_mesh} | page(output, "fused-depth")
     return _fuse(source, output, params, run, beside, progress)
 
 
-def run_all(
-    source: Path, folder: Path, params: Params, run: Run, progress: Callable[[float, str], None] | None = None
-) -> dict[Path, Outcome]:
+def run_all(source: Path, folder: Path, params: Params, run: Run, progress: Progress = silent) -> dict[Path, Outcome]:
     """Write FOLDER/NAME.fused.h5 for every view, or every `step`-th, each the same as `run` would for that reference.
 
     Those that are there already, made from the same, are left alone. Raises ItemsFailed at the end when some views
@@ -100,7 +101,7 @@ def _fuse(
     params: Params,
     run: Run,
     beside: Mapping[Path, Beside] = MappingProxyType({}),
-    progress: Callable[[float, str], None] = lambda share, what: None,
+    progress: Progress = silent,
 ) -> Outcome:
     from ipcli.measurements.names import window
     from ipcli.stages.kit.artefact import Job, make
@@ -113,7 +114,7 @@ def _fuse(
     def build() -> dict[str, np.ndarray]:
         return fused_artefact(sequence, names, reference, params, progress)
 
-    return make(Job(output, "depth", "fuse-depth", params, inputs, beside), build, run)
+    return make(Job(output, "fused-depth", "fuse-depth", params, inputs, beside), build, run)
 
 
 def fused_artefact(
@@ -121,9 +122,9 @@ def fused_artefact(
     names: Sequence[str],
     reference_name: str,
     params: Params,
-    progress: Callable[[float, str], None],
+    progress: Progress,
 ) -> dict[str, np.ndarray]:
-    """The arrays of the `depth` artefact."""
+    """The arrays of the `fused-depth` artefact."""
     from ipcli import threads
     from ipcli.io.views import camera
     from ipcli.models.fusion.fuse import fuse
@@ -289,11 +290,3 @@ def write_mesh(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping
         extra={name: arrays[name].ravel()[pixels] for name in ("confidence", "observations")},
         comments=(f"ipcli fuse-depth, unit {arrays['unit']}, digest {provenance['digest']}",),
     )
-
-
-def write_report(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """The page to look at."""
-    from ipcli.io.files import atomic
-    from ipcli.report.fusion import fused_depth
-
-    atomic.write_text(path, fused_depth.page(arrays, provenance))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ipcli.errors import ParameterError
 from ipcli.params import Run, option
+from ipcli.progress import Progress, silent
 from ipcli.stages.fusion.sources import Source, open_source, source_files
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def run(
     output: Path,
     params: Params,
     run: Run,
-    progress: Callable[[float, str], None] = lambda share, name: None,
+    progress: Progress = silent,
 ) -> Outcome:
     """Write the artefact. The depth that noise is added to stays as ``truth``, unless there is a truth already."""
     from ipcli.geometry.sensor import parse_noise

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ipcli.errors import FormatError, ParameterError
 from ipcli.params import Run, as_dict, option
+from ipcli.progress import Progress, silent
 
 if TYPE_CHECKING:
     import numpy as np
@@ -61,7 +61,7 @@ def run(
     output: Path,
     params: Params,
     run: Run,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Progress = silent,
 ) -> dict[Path, Outcome]:
     """Write OUTPUT/SCENE.views.h5 for each scene; those that are there already, made from the same, are left alone.
 

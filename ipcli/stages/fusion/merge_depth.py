@@ -47,14 +47,15 @@ def run(files: Sequence[Path], output: Path, params: Params, run: Run) -> Outcom
     confirmed.
     """
     from ipcli.stages.kit.artefact import Job, make
+    from ipcli.stages.kit.pages import page
 
     if output.suffix not in (".ply", ".h5"):
         raise ParameterError(
             f"{output}: a cloud is written as X.ply (with X.h5 beside it); got the suffix '{output.suffix}'"
         )
     inputs = tuple(sorted(set(files)))
-    beside = {output.with_suffix(".ply"): write_cloud, output.with_suffix(".html"): write_page}
-    job = Job(output.with_suffix(".h5"), "cloud", "merge-depth", params, inputs, beside)
+    beside = {output.with_suffix(".ply"): write_cloud} | page(output, "fusion-cloud")
+    job = Job(output.with_suffix(".h5"), "fusion-cloud", "merge-depth", params, inputs, beside)
     return make(job, lambda: cloud_artefact(inputs, params), run)
 
 
@@ -85,9 +86,9 @@ def read_unit(files: Sequence[Path]) -> str:
     from ipcli.io.files import h5
 
     first, *others = files
-    unit = str(h5.read(first, "depth", only=lambda name: name == "unit").arrays["unit"])
+    unit = str(h5.read(first, "fused-depth", only=lambda name: name == "unit").arrays["unit"])
     for path in others:
-        got = str(h5.read(path, "depth", only=lambda name: name == "unit").arrays["unit"])
+        got = str(h5.read(path, "fused-depth", only=lambda name: name == "unit").arrays["unit"])
         if got != unit:
             raise FormatError(
                 path, f"has another unit than {first}", expected=unit, got=got, fix="Fuse all in one unit"
@@ -102,7 +103,7 @@ def read_map(path: Path) -> FusedMap:
     from ipcli.io.files import h5
     from ipcli.models.fusion.merge import FusedMap, depth_noise
 
-    arrays = h5.read(path, "depth", only=lambda name: name in NEEDED).arrays
+    arrays = h5.read(path, "fused-depth", only=lambda name: name in NEEDED).arrays
     depth = np.where(arrays["observations"] > 0, arrays["depth"], np.float32(np.nan))
     noise = depth_noise(depth, arrays["view_residual"], inverse=str(arrays["domain"]) != "depth")
     same = ("confidence", "observations", "normals", "intrinsics", "cam_from_world")
@@ -142,11 +143,3 @@ def write_cloud(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mappin
         extra={name: arrays[name] for name in ("confidence", "views")},
         comments=(f"ipcli merge-depth, unit {arrays['unit']}, digest {provenance['digest']}",),
     )
-
-
-def write_page(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """The page to look at."""
-    from ipcli.io.files import atomic
-    from ipcli.report.fusion import fusion_cloud
-
-    atomic.write_text(path, fusion_cloud.page(arrays, provenance))

@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ipcli.errors import NoSolution
 from ipcli.params import Run, option
+from ipcli.progress import Progress, silent
 
 if TYPE_CHECKING:
     import numpy as np
@@ -49,7 +49,7 @@ def run(
     output: Path,
     params: Params,
     run: Run,
-    progress: Callable[[float, str], None] = lambda share, name: None,
+    progress: Progress = silent,
 ) -> Outcome:
     """Write the `views` artefact of a mesh, each view with its truth. NoSolution if the middle view sees nothing."""
     from ipcli.geometry.sensor import parse_noise
@@ -64,7 +64,7 @@ def run(
 
 
 def rendered(
-    source: Path, params: Params, noise: tuple[str, float], seed: int, progress: Callable[[float, str], None]
+    source: Path, params: Params, noise: tuple[str, float], seed: int, progress: Progress
 ) -> dict[str, np.ndarray]:
     """The arrays of the artefact. The baseline that turns depth into disparity is the thesis': half of the chord
     between two views of the orbit, the whole step of the strip.

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ipcli.errors import ParameterError, nearest
 from ipcli.params import Run, option
+from ipcli.progress import Progress, silent
 from ipcli.stages.fusion.scenes import Judged, Scene, Trials, Variant, open_scene
 
 if TYPE_CHECKING:
@@ -31,23 +32,20 @@ class Params(Trials):
     measure: str = option("RMSE", "Measure that is to be least on average over the scenes.", flag="--measure")
 
 
-def run(
-    files: Sequence[Path], output: Path, params: Params, run: Run, progress: Callable[[float, str], None] | None = None
-) -> Outcome:
+def run(files: Sequence[Path], output: Path, params: Params, run: Run, progress: Progress = silent) -> Outcome:
     """Write the `tuning` artefact and beside it a page (.html). Raises ItemsFailed when some scenes failed."""
     from ipcli.stages.kit.artefact import Job, make
+    from ipcli.stages.kit.pages import page
 
     if len(set(params.lambdas)) != len(params.lambdas) or params.fusion.lam is not None:
         raise ParameterError("give every lambda once, by --lambdas")
     if not any(variant.is_regularised for variant in params.variants):
         raise ParameterError("none of these methods has a lambda to tune")
-    job = Job(output, "tuning", "tune-fusion", params, tuple(files), {output.with_suffix(".html"): write_page})
+    job = Job(output, "fusion-tuning", "tune-fusion", params, tuple(files), page(output, "fusion-tuning"))
     return make(job, lambda: tuning(files, params, run.executor, progress), run)
 
 
-def tuning(
-    files: Sequence[Path], params: Params, executor: str, progress: Callable[[float, str], None] | None
-) -> dict[str, np.ndarray]:
+def tuning(files: Sequence[Path], params: Params, executor: str, progress: Progress) -> dict[str, np.ndarray]:
     """The arrays of the artefact; methods without regularisation are left out, there being nothing to tune."""
     import numpy as np
 
@@ -96,13 +94,5 @@ def best_lambdas(path: Path) -> dict[str, float]:
     """The best lambda of each method label in a `tuning` artefact."""
     from ipcli.io.files import h5
 
-    arrays = h5.read(path, "tuning", only=lambda name: name in ("methods", "best")).arrays
+    arrays = h5.read(path, "fusion-tuning", only=lambda name: name in ("methods", "best")).arrays
     return dict(zip(map(str, arrays["methods"]), map(float, arrays["best"]), strict=True))
-
-
-def write_page(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """The page to look at."""
-    from ipcli.io.files import atomic
-    from ipcli.report.fusion import fusion_tuning
-
-    atomic.write_text(path, fusion_tuning.page(arrays, provenance))

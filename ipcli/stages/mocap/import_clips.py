@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ipcli.errors import FormatError, ParameterError
 from ipcli.params import Run, as_dict, option
+from ipcli.progress import Progress, silent
 
 if TYPE_CHECKING:
     import numpy as np
@@ -52,7 +52,7 @@ def run(
     output: Path,
     params: Params,
     run: Run,
-    progress: Callable[[float, str], None] = lambda share, name: None,
+    progress: Progress = silent,
 ) -> Outcome:
     """Write the artefact. Raises what io.clips.open_clips raises, and ParameterError for an action that is
     not there.

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ipcli.errors import NoSolution, ParameterError
 from ipcli.models.mocap.parameters import Decision, Features
 from ipcli.params import Run, option
+from ipcli.progress import Progress, silent
 from ipcli.stages.mocap import motions
 from ipcli.stages.mocap.motions import Motions, Reading
 
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from ipcli.models.mocap.behaviours import Model
     from ipcli.stages.kit.artefact import Outcome
 
-Progress = Callable[[float, str], None]
 NONE = "none"
 
 
@@ -68,7 +68,7 @@ def run(
     output: Path,
     params: Params,
     run: Run,
-    progress: Progress = lambda share, what: None,
+    progress: Progress = silent,
 ) -> Outcome:
     """Write the answers and beside them a page (.html) and a table (.csv): of segments with --window, else of the
     queries.
@@ -77,11 +77,12 @@ def run(
     model's, NoSolution when no frame of any clip shows a group of joints whole.
     """
     from ipcli.stages.kit.artefact import Job, make
+    from ipcli.stages.kit.pages import page
 
     if params.window is not None and params.unordered:
         raise ParameterError("--window and --unordered exclude each other: a window has all its frames")
-    beside = {output.with_suffix(".html"): write_report, output.with_suffix(".csv"): write_csv}
-    job = Job(output, "recognition", "mocap-classify", params, (model, *paths), beside)
+    beside = page(output, "action-recognition") | {output.with_suffix(".csv"): write_csv}
+    job = Job(output, "action-recognition", "mocap-classify", params, (model, *paths), beside)
     return make(job, lambda: recognised(model, paths, params, run.seed, progress), run)
 
 
@@ -89,7 +90,7 @@ def answers(output: Path) -> list[dict[str, Any]]:
     """The answers in an artefact, ready for JSON."""
     from ipcli.io.files import h5
 
-    found = h5.read(output, "recognition").arrays
+    found = h5.read(output, "action-recognition").arrays
     columns = ("clips", "answers", "surprise", "frames")
     rows = zip(
         *(found[name].tolist() for name in columns),
@@ -305,14 +306,6 @@ def runs(values: np.ndarray) -> list[tuple[int, int]]:
     edges = np.flatnonzero(values[1:] != values[:-1]) + 1
     bounds = [0, *edges.tolist(), len(values)]
     return list(zip(bounds[:-1], bounds[1:], strict=True)) if len(values) else []
-
-
-def write_report(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """The page to look at."""
-    from ipcli.io.files import atomic
-    from ipcli.report.mocap import recognition
-
-    atomic.write_text(path, recognition.page(arrays, provenance))
 
 
 def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:

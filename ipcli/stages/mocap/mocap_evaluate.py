@@ -4,7 +4,7 @@ protocol.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ipcli.errors import ParameterError
 from ipcli.models.mocap.parameters import Decision, Learning
 from ipcli.params import Run, option
+from ipcli.progress import Progress, silent
 from ipcli.stages.kit.checkpoint import Checkpoint
 from ipcli.stages.mocap import motions
 from ipcli.stages.mocap.mocap_train import Lesson, chosen, counted, learn, numbered
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from ipcli.models.mocap.splits import Split
     from ipcli.stages.kit.artefact import Outcome
 
-Progress = Callable[[float, str], None]
 SPLITS = {
     "subjects": "actors",
     "leave-one-out": "leave-one-actor-out",
@@ -65,9 +65,7 @@ class Params:
     decision: Decision = field(default_factory=Decision)
 
 
-def run(
-    paths: Sequence[Path], output: Path, params: Params, run: Run, progress: Progress = lambda share, what: None
-) -> Outcome:
+def run(paths: Sequence[Path], output: Path, params: Params, run: Run, progress: Progress = silent) -> Outcome:
     """Write what was answered and beside it a page (.html). A run that was killed goes on where its chains were.
 
     Raises ParameterError for a split that leaves nothing on one side, and what motions.read raises.
@@ -75,11 +73,12 @@ def run(
     from ipcli import provenance
     from ipcli.params import as_dict
     from ipcli.stages.kit.artefact import Job, make
+    from ipcli.stages.kit.pages import page
 
     inputs = tuple(paths) + ((Path(params.groups),) if Path(params.groups).is_file() else ())
-    record = provenance.record("mocap-evaluate", as_dict(params), inputs, "evaluation", run.seed)
+    record = provenance.record("mocap-evaluate", as_dict(params), inputs, "action-evaluation", run.seed)
     work = Checkpoint.of(output, record["digest"])
-    job = Job(output, "evaluation", "mocap-evaluate", params, inputs, {output.with_suffix(".html"): write_report})
+    job = Job(output, "action-evaluation", "mocap-evaluate", params, inputs, page(output, "action-evaluation"))
     outcome = make(job, lambda: evaluation(paths, params, run, work, progress), run)
     if not run.dry_run:
         work.clear()
@@ -315,11 +314,3 @@ def group_accuracy(posterior: np.ndarray, truth: np.ndarray) -> float:
 
     seen = np.isfinite(posterior).all(axis=1)
     return float((posterior[seen].argmax(axis=1) == truth[seen]).mean()) if seen.any() else 0.0
-
-
-def write_report(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """The page to look at."""
-    from ipcli.io.files import atomic
-    from ipcli.report.mocap import action_evaluation
-
-    atomic.write_text(path, action_evaluation.page(arrays, provenance))

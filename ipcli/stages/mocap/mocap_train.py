@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ipcli.errors import ParameterError
 from ipcli.models.mocap.parameters import BODY, MOTION, Decision, Learning
 from ipcli.params import Run, option
+from ipcli.progress import Progress, silent
 from ipcli.stages.kit.checkpoint import Checkpoint
 from ipcli.stages.mocap import motions
 from ipcli.stages.mocap.motions import Motions, Reading
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from ipcli.models.mocap.behaviours import Model
     from ipcli.stages.kit.artefact import Outcome
 
-Progress = Callable[[float, str], None]
 SHOWN = 4  # poses of a behaviour: the most typical, and others
 POINTS = "points"
 REHEARSAL = 4  # a rehearsal takes one in so many of the frames
@@ -43,9 +43,7 @@ class Params:
     decision: Decision = field(default_factory=Decision)
 
 
-def run(
-    paths: Sequence[Path], output: Path, params: Params, run: Run, progress: Progress = lambda share, what: None
-) -> Outcome:
+def run(paths: Sequence[Path], output: Path, params: Params, run: Run, progress: Progress = silent) -> Outcome:
     """Write the model and beside it a report (.html). A run that was killed goes on where its chains were.
 
     Raises ParameterError for clips without labels or an action of hardly a frame, and what motions.read raises.
@@ -53,11 +51,12 @@ def run(
     from ipcli import provenance
     from ipcli.params import as_dict
     from ipcli.stages.kit.artefact import Job, make
+    from ipcli.stages.kit.pages import page
 
     inputs = tuple(paths) + ((Path(params.groups),) if Path(params.groups).is_file() else ())
     record = provenance.record("mocap-train", as_dict(params), inputs, "behaviours", run.seed)
     work = Checkpoint.of(output, record["digest"])
-    job = Job(output, "behaviours", "mocap-train", params, inputs, {output.with_suffix(".html"): write_report})
+    job = Job(output, "behaviours", "mocap-train", params, inputs, page(output, "behaviours"))
     outcome = make(job, lambda: model_artefact(paths, params, run, work, progress), run)
     if not run.dry_run:
         work.clear()
@@ -413,11 +412,3 @@ def drawn(lesson: Lesson, fitted: Mapping[str, Fitted], poses: np.ndarray) -> di
         "behaviour_share": np.array(share),
         "behaviour_poses": np.array(shown, np.float32),
     }
-
-
-def write_report(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """The page to look at."""
-    from ipcli.io.files import atomic
-    from ipcli.report.mocap import behaviours
-
-    atomic.write_text(path, behaviours.page(arrays, provenance))

@@ -79,7 +79,10 @@ def test_two_writes_at_different_times_give_the_same_bytes(path, tmp_path):
 
 def test_the_file_tells_units_dims_and_meaning_to_any_hdf5_reader(path):
     with h5py.File(path) as file:
-        for name, field in (("views/000/depth", schema.VIEWS.fields[0]), ("unit", schema.VIEWS.field("unit")[0])):
+        for name, field in (
+            ("views/000/depth", schema.kind("views").fields[0]),
+            ("unit", schema.kind("views").field("unit")[0]),
+        ):
             attributes = file[name].attrs
             found = [attributes[key].decode() for key in ("units", "description", "dims")]
             assert found == [field.units, field.doc, " ".join(field.dims)]
@@ -228,7 +231,7 @@ def test_a_doctored_file_is_refused_with_its_reason(damage, path):
 
 def test_other_files_are_told_apart(path, tmp_path):
     with pytest.raises(FormatError, match="wrong kind of artefact .expected depth, got views"):
-        h5.read(path, "depth")
+        h5.read(path, "fused-depth")
     (tmp_path / "text.h5").write_text("hello")
     for name, message in (("absent.h5", "no such file"), ("", "no such file"), ("text.h5", "not a readable HDF5")):
         with pytest.raises(FormatError, match=message):

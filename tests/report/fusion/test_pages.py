@@ -119,7 +119,7 @@ def test_every_variant_makes_a_sound_page(name, arrays, provenance):
 
 
 def test_the_synthetic_artefact_is_a_valid_one(artefact):
-    schema.validate(schema.kind("depth"), artefact)
+    schema.validate(schema.kind("fused-depth"), artefact)
 
 
 def test_hostile_names_come_out_escaped(artefact, provenance, views_artefact):

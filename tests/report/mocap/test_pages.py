@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ipcli import schema
-from ipcli.report.mocap import action_evaluation, recognition
+from ipcli.report.mocap import action_evaluation, action_recognition
 from ipcli.report.mocap.action_evaluation import accuracy, mean_and_spread
 from tests.report.conftest import HOSTILE, texts
 from tests.report.fusion.test_pages import ESCAPED, sound
@@ -84,38 +84,38 @@ def without(arrays, *names):
 
 
 def variants():
-    yield "evaluation", "several splits", evaluation()
-    yield "evaluation", "one split", evaluation(1)
-    yield "evaluation", "by frames", evaluation() | {"split": np.array("frames")}
-    yield "evaluation", "nothing tested", evaluation() | {"sequence_confusion": np.zeros((3, 3, 3), np.int64)}
+    yield "action-evaluation", "several splits", evaluation()
+    yield "action-evaluation", "one split", evaluation(1)
+    yield "action-evaluation", "by frames", evaluation() | {"split": np.array("frames")}
+    yield "action-evaluation", "nothing tested", evaluation() | {"sequence_confusion": np.zeros((3, 3, 3), np.int64)}
     yield (
-        "evaluation",
+        "action-evaluation",
         "no handfuls",
         evaluation() | {"handfuls": np.empty(0, np.int64), "handful_confusion": np.zeros((3, 0, 3, 3), np.int64)},
     )
-    yield "recognition", "clips", recognition_artefact()
-    yield "recognition", "one clip", recognition_artefact(n=1)
-    yield "recognition", "no labels", without(recognition_artefact(), "truth")
-    yield "recognition", "handfuls", recognition_artefact("unordered")
-    yield "recognition", "windows", windows()
+    yield "action-recognition", "clips", recognition_artefact()
+    yield "action-recognition", "one clip", recognition_artefact(n=1)
+    yield "action-recognition", "no labels", without(recognition_artefact(), "truth")
+    yield "action-recognition", "handfuls", recognition_artefact("unordered")
+    yield "action-recognition", "windows", windows()
     yield (
-        "recognition",
+        "action-recognition",
         "windows without labels",
         without(windows(), "truth", *(name for name in windows() if name.startswith("truth_"))),
     )
     yield (
-        "recognition",
+        "action-recognition",
         "no frames",
         recognition_artefact() | {"surprise": np.full(7, np.nan), "group_posterior": np.full((7, 2), np.nan)},
     )
     yield (
-        "recognition",
+        "action-recognition",
         "never none",
         recognition_artefact() | {"threshold": np.float64(np.inf), "answers": ACTIONS[np.arange(7) % 3]},
     )
 
 
-PAGES = {"evaluation": action_evaluation.page, "recognition": recognition.page}
+PAGES = {"action-evaluation": action_evaluation.page, "action-recognition": action_recognition.page}
 
 
 @pytest.mark.filterwarnings("error")
@@ -154,7 +154,7 @@ def test_wrong_clips_are_listed_and_counted(provenance):
 def test_a_label_that_the_model_does_not_know_gets_its_own_row(provenance):
     arrays = recognition_artefact()
     arrays["truth"][-1] = "dance"
-    html = recognition.page(arrays, provenance)
+    html = action_recognition.page(arrays, provenance)
     assert html.count("n = 1<") >= 1
     assert ">dance</text>" in html
 
@@ -167,5 +167,7 @@ def test_the_time_named_right_is_that_of_the_overlaps():
         "truth_segment_time": np.array([[0, 2.0], [2, 4]]),
         "truth_segment_answer": texts("kick", "squat"),
     }
-    assert recognition.shares_of_time(arrays) == (0.5, 0.25)
-    assert "50 % was named right and 25 % none" in recognition.page(arrays, {}).replace("\N{NO-BREAK SPACE}", " ")
+    assert action_recognition.shares_of_time(arrays) == (0.5, 0.25)
+    assert "50 % was named right and 25 % none" in action_recognition.page(arrays, {}).replace(
+        "\N{NO-BREAK SPACE}", " "
+    )

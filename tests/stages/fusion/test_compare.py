@@ -36,10 +36,10 @@ def files(tmp_path_factory):
 
 def test_a_table_holds_what_each_file_says_of_its_scene_and_method(files, tmp_path):
     compare.run(files, tmp_path / "t.h5", compare.Params(), Run())
-    table = h5.read(tmp_path / "t.h5", "comparison").arrays
+    table = h5.read(tmp_path / "t.h5", "fusion-comparison").arrays
     assert list(table["scenes"]) == ["a", "b"]
     for path in files:
-        one = h5.read(path, "depth").arrays
+        one = h5.read(path, "fused-depth").arrays
         scene_index = list(table["scenes"]).index(path.name[0])
         method = list(table["methods"]).index(one["method"])
         np.testing.assert_array_equal(
@@ -49,7 +49,7 @@ def test_a_table_holds_what_each_file_says_of_its_scene_and_method(files, tmp_pa
 
 def test_the_csv_and_the_page_give_the_same_figures(files, tmp_path):
     compare.run(files, tmp_path / "t.h5", compare.Params(), Run())
-    table = h5.read(tmp_path / "t.h5", "comparison").arrays
+    table = h5.read(tmp_path / "t.h5", "fusion-comparison").arrays
     lines = list(csv.reader((tmp_path / "t.csv").read_text().splitlines()))
     assert lines[0] == ["scene", "method", *table["columns"]]
     np.testing.assert_array_equal(

@@ -38,8 +38,8 @@ def evaluated(views, tuning):
 
 
 def test_rows_are_the_given_maps_and_each_method_by_each_rule_there_is(evaluated, tuning):
-    arrays = h5.read(evaluated, "trials").arrays
-    schema.validate(schema.kind("trials"), arrays)
+    arrays = h5.read(evaluated, "fusion-trials").arrays
+    schema.validate(schema.kind("fusion-trials"), arrays)
     rows = list(zip(arrays["methods"], arrays["rules"], strict=True))
     assert rows == [
         ("reference", "none"),
@@ -54,9 +54,9 @@ def test_rows_are_the_given_maps_and_each_method_by_each_rule_there_is(evaluated
 
 
 def test_the_maps_are_those_of_fuse_depth(views, evaluated, tmp_path):
-    arrays = h5.read(evaluated, "trials").arrays
+    arrays = h5.read(evaluated, "fusion-trials").arrays
     fuse_depth.run(views, tmp_path / "f.h5", fuse_depth.Params(fusion=Fusion(method="l1-adapt")), Run())
-    alone = h5.read(tmp_path / "f.h5", "depth").arrays
+    alone = h5.read(tmp_path / "f.h5", "fused-depth").arrays
     kept = list(arrays["maps"]).index("l1-adapt (acs)")
     np.testing.assert_array_equal(arrays["depth"][kept], np.where(alone["observations"] > 0, alone["depth"], np.nan))
     np.testing.assert_array_equal(arrays["confidence"][kept], alone["confidence"])
@@ -64,7 +64,7 @@ def test_the_maps_are_those_of_fuse_depth(views, evaluated, tmp_path):
 
 
 def test_the_curves_end_at_the_mean_error_and_enclose_the_ause(evaluated):
-    arrays = h5.read(evaluated, "trials").arrays
+    arrays = h5.read(evaluated, "fusion-trials").arrays
     row = list(arrays["methods"]).index("l1-adapt (acs)")
     kept, least = arrays["kept_error"][row], arrays["least_error"][row]
     assert kept[-1] == pytest.approx(1)
@@ -80,9 +80,9 @@ def test_the_curves_end_at_the_mean_error_and_enclose_the_ause(evaluated):
 
 
 def test_normals_and_uncertainty_are_judged_as_fuse_depth_judges_them(views, evaluated, tmp_path):
-    arrays = h5.read(evaluated, "trials").arrays
+    arrays = h5.read(evaluated, "fusion-trials").arrays
     fuse_depth.run(views, tmp_path / "f.h5", fuse_depth.Params(fusion=Fusion(method="l1-adapt")), Run())
-    alone = h5.read(tmp_path / "f.h5", "depth").arrays
+    alone = h5.read(tmp_path / "f.h5", "fused-depth").arrays
     error = np.where(np.isfinite(arrays["depth"]).all(axis=0), np.abs(alone["depth"] - alone["truth"]), np.nan)
     row, columns = list(arrays["methods"]).index("l1-adapt (acs)"), list(arrays["columns"])
     by_uncertainty, by_angle = (
@@ -101,7 +101,7 @@ def test_compare_joins_trials_and_tells_the_rules_apart(evaluated, tmp_path):
     other = tmp_path / "b.trials.h5"
     other.write_bytes(evaluated.read_bytes())
     compare.run([evaluated, other], tmp_path / "t.h5", compare.Params(), Run())
-    table, one = h5.read(tmp_path / "t.h5", "comparison").arrays, h5.read(evaluated, "trials").arrays
+    table, one = h5.read(tmp_path / "t.h5", "fusion-comparison").arrays, h5.read(evaluated, "fusion-trials").arrays
     assert list(table["scenes"]) == ["a", "b"]
     assert list(table["methods"])[3:5] == ["tv-l1", "tv-l1, tuned λ"]
     np.testing.assert_array_equal(table["values"][1], one["values"])
@@ -126,7 +126,7 @@ def test_the_page_shows_every_row_and_every_kept_map(evaluated):
 
 def test_the_given_maps_alone_can_be_asked_for(views, tmp_path):
     evaluate_fusion.run(views, tmp_path / "a.h5", Params(methods=("median",)), Run())
-    assert list(h5.read(tmp_path / "a.h5", "trials").arrays["methods"]) == ["reference", "mean", "median"]
+    assert list(h5.read(tmp_path / "a.h5", "fusion-trials").arrays["methods"]) == ["reference", "mean", "median"]
 
 
 def test_a_lambda_for_all_methods_is_refused(views, tmp_path):

@@ -35,7 +35,7 @@ def fuse(source, folder, run=Run(), **params):
 
 
 def arrays(source, folder, **params):
-    return h5.read(fuse(source, folder, **params)[1], "depth").arrays
+    return h5.read(fuse(source, folder, **params)[1], "fused-depth").arrays
 
 
 def contents(output):
@@ -50,8 +50,8 @@ def whole(source, tmp_path_factory):
 
 
 def test_the_artefact_is_sound_and_better_than_the_median_and_a_mesh_and_a_page_stand_beside_it(whole):
-    found = h5.read(whole, "depth").arrays
-    schema.validate(schema.kind("depth"), found)
+    found = h5.read(whole, "fused-depth").arrays
+    schema.validate(schema.kind("fused-depth"), found)
     metrics = dict(zip(map(str, found["metric_rows"]), found["metrics"], strict=True))
     mae = list(map(str, found["metric_columns"])).index("MAE")
     assert metrics["fused"][mae] < 0.8 * metrics["median"][mae] < metrics["reference"][mae]
@@ -64,7 +64,7 @@ def test_the_artefact_is_sound_and_better_than_the_median_and_a_mesh_and_a_page_
 
 
 def test_the_mesh_is_the_observed_part_of_the_map_in_world_coordinates(whole):
-    found, mesh = h5.read(whole, "depth").arrays, ply.read(whole.with_suffix(".ply"))
+    found, mesh = h5.read(whole, "fused-depth").arrays, ply.read(whole.with_suffix(".ply"))
     seen = found["observations"] > 0
     assert len(mesh.vertices) == seen.sum()
     assert mesh.faces.max() < len(mesh.vertices)
@@ -81,7 +81,7 @@ def test_the_mesh_is_the_observed_part_of_the_map_in_world_coordinates(whole):
 
 
 def test_the_table_of_views_tells_what_each_gave(whole):
-    found = h5.read(whole, "depth").arrays
+    found = h5.read(whole, "fused-depth").arrays
     assert list(found["views"]) == ["00", "01", "02", "03", "04"]
     truth_free = [view.depth for view in scene()]
     np.testing.assert_allclose(found["view_valid"], [np.isfinite(d).mean() for d in truth_free])
@@ -160,12 +160,12 @@ def test_one_view_alone_is_fused(tmp_path):
 def test_views_without_truth_or_colour_make_all_files(tmp_path):
     bare = write(tmp_path / "bare.views.h5", [replace(view, truth=None, image=None) for view in scene()])
     _, output = fuse(bare, tmp_path)
-    assert "metrics" not in h5.read(output, "depth").arrays
+    assert "metrics" not in h5.read(output, "fused-depth").arrays
     assert ply.read(output.with_suffix(".ply")).colors is None
 
 
 def test_millimetres_give_a_thousand_times_the_depth(source, whole, tmp_path):
-    found = h5.read(whole, "depth").arrays
+    found = h5.read(whole, "fused-depth").arrays
     large = write(tmp_path / "mm.views.h5", [scaled(view, 1000) for view in scene()], unit="mm", baseline_focal=20000.0)
     scaled_map = arrays(large, tmp_path)
     apart = np.abs(scaled_map["depth"] / 1000 - found["depth"])
@@ -218,8 +218,8 @@ def test_progress_never_goes_back(source, tmp_path):
 
 
 def test_in_tiles_the_artefact_is_sound_and_as_near_to_the_truth(whole, source, tmp_path):
-    tiled, at_once = arrays(source, tmp_path, fusion=replace(QUICK, tile=32)), h5.read(whole, "depth").arrays
-    schema.validate(schema.kind("depth"), tiled)
+    tiled, at_once = arrays(source, tmp_path, fusion=replace(QUICK, tile=32)), h5.read(whole, "fused-depth").arrays
+    schema.validate(schema.kind("fused-depth"), tiled)
     np.testing.assert_allclose(tiled["metrics"], at_once["metrics"], rtol=0.05, atol=1e-3)
     np.testing.assert_allclose(tiled["view_overlap"], at_once["view_overlap"], atol=0.05)
     np.testing.assert_allclose(tiled["view_residual"], at_once["view_residual"], rtol=0.4)  # of every 16th pixel

@@ -58,7 +58,7 @@ def test_each_file_is_what_its_view_alone_as_reference_gives(source, whole, tmp_
     fuse_depth.run(source, tmp_path / "03.fused.h5", single, Run())
     assert (tmp_path / "03.fused.h5").read_bytes() == contents(whole)["03.fused.h5"]
     for i, names in enumerate(["012", "012", "123", "234", "234"]):
-        assert list(h5.read(whole / f"0{i}.fused.h5", "depth").arrays["views"]) == [f"0{name}" for name in names]
+        assert list(h5.read(whole / f"0{i}.fused.h5", "fused-depth").arrays["views"]) == [f"0{name}" for name in names]
 
 
 def test_processes_give_the_bytes_of_serial(source, whole, tmp_path):

@@ -13,7 +13,7 @@ QUICK = Fusion(method="tgv-l1")
 
 
 def measures(path):
-    arrays = h5.read(path, "depth").arrays
+    arrays = h5.read(path, "fused-depth").arrays
     columns = [str(name) for name in arrays["metric_columns"]]
     return {
         str(row): dict(zip(columns, values, strict=True))

@@ -46,8 +46,8 @@ def contents(output):
 
 
 def test_the_cloud_lies_on_the_surface(cloud):
-    found = h5.read(cloud.with_suffix(".h5"), "cloud").arrays
-    schema.validate(schema.kind("cloud"), found)
+    found = h5.read(cloud.with_suffix(".h5"), "fusion-cloud").arrays
+    schema.validate(schema.kind("fusion-cloud"), found)
     assert np.median(distance(found["points"].astype(np.float64))) < NOISE / 3
     assert (found["map_confirmed"] > 0.5 * found["map_points"]).all()
     assert found["map_points"].sum() > 20_000
@@ -55,7 +55,7 @@ def test_the_cloud_lies_on_the_surface(cloud):
 
 
 def test_the_ply_holds_the_same_points_and_names_the_digest(cloud):
-    artefact, points = h5.read(cloud.with_suffix(".h5"), "cloud"), ply.read(cloud)
+    artefact, points = h5.read(cloud.with_suffix(".h5"), "fusion-cloud"), ply.read(cloud)
     np.testing.assert_array_equal(points.vertices, artefact.arrays["points"])
     np.testing.assert_array_equal(points.normals, artefact.arrays["normals"])
     np.testing.assert_array_equal(points.colors, artefact.arrays["colors"])
@@ -66,7 +66,7 @@ def test_the_ply_holds_the_same_points_and_names_the_digest(cloud):
 
 
 def test_a_cloud_without_colours_is_shown_in_clay(cloud):
-    artefact = h5.read(cloud.with_suffix(".h5"), "cloud")
+    artefact = h5.read(cloud.with_suffix(".h5"), "fusion-cloud")
     plain = {name: array for name, array in artefact.arrays.items() if name != "colors"}
     shown = page(plain, artefact.provenance)
     assert "<img" in shown

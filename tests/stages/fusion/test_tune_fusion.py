@@ -32,7 +32,7 @@ def tuned(files, tmp_path_factory):
 
 
 def test_each_figure_is_that_of_the_method_at_that_lambda(files, tuned):
-    arrays = h5.read(tuned, "tuning").arrays
+    arrays = h5.read(tuned, "fusion-tuning").arrays
     assert list(arrays["methods"]) == ["tv-l1", "l1-adapt (ama)"]
     assert list(arrays["scenes"]) == ["a", "b"]
     assert list(arrays["lambdas"]) == [0.05, 0.3, 3.0]
@@ -49,7 +49,7 @@ def test_each_figure_is_that_of_the_method_at_that_lambda(files, tuned):
 
 
 def test_best_is_the_least_geometric_mean_over_the_scenes_and_is_what_others_read(tuned):
-    arrays = h5.read(tuned, "tuning").arrays
+    arrays = h5.read(tuned, "fusion-tuning").arrays
     errors = arrays["values"][..., list(arrays["columns"]).index("RMSE")]
     for m, label in enumerate(arrays["methods"]):
         means = [np.sqrt(errors[0, m, n] * errors[1, m, n]) for n in range(3)]

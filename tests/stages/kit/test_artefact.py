@@ -140,7 +140,7 @@ def test_a_file_that_is_not_a_sound_artefact_is_refused(maker, content):
 def test_an_artefact_of_another_kind_is_refused(maker):
     maker()
     with pytest.raises(OutputExists, match="is of kind 'views', not 'depth'"):
-        make(Job(maker.output, "depth", "test", Params(), ()), dict, Run())
+        make(Job(maker.output, "fused-depth", "test", Params(), ()), dict, Run())
 
 
 def test_a_failure_anywhere_publishes_nothing(maker):

@@ -19,7 +19,7 @@ from ipcli.stages.kit.report import Params
 @pytest.fixture
 def fused(tmp_path, artefact, provenance):
     path = tmp_path / "fused.h5"
-    h5.write(path, "depth", artefact, provenance)
+    h5.write(path, "fused-depth", artefact, provenance)
     return path
 
 
