@@ -6,7 +6,6 @@ Standard library only: a spawned worker must set its thread counts before it loa
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from concurrent.futures.process import BrokenProcessPool, ProcessPoolExecutor
@@ -16,8 +15,7 @@ from typing import Any, NamedTuple
 
 from ipcli.errors import IpcliError, ParameterError
 from ipcli.progress import Progress, silent
-
-THREAD_VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+from ipcli.threads import set_count
 
 
 class ItemsFailed(IpcliError):
@@ -36,12 +34,6 @@ class Attempt(NamedTuple):
 
     result: Any
     reason: str | None
-
-
-def set_threads(count: int) -> None:
-    """Threads of numba, OpenMP and OpenBLAS; works only before they are loaded. 0 leaves the choice to them."""
-    if count:
-        os.environ.update(dict.fromkeys(THREAD_VARIABLES, str(count)))
 
 
 def map_items(
@@ -108,7 +100,7 @@ def _in_processes(attempt: Callable, items: Sequence[str], workers: int) -> Iter
 def _pool(workers: int) -> Iterator[Executor]:
     from multiprocessing import get_context
 
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=set_threads, initargs=(1,))
+    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=set_count, initargs=(1,))
     try:
         yield pool
     finally:

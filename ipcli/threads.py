@@ -1,4 +1,6 @@
-"""Blocks of image rows on threads. Kernels release the interpreter lock, so plain threads run them side by side.
+"""How many threads, and blocks of image rows on them.
+
+Kernels release the interpreter lock, so plain threads run them side by side.
 
 A parallel loop of numba would meet at a barrier in every kernel, some thousand times a second; on a machine that does
 other work too, each such meeting can cost a time slice. Blocks that run on their own for a while meet seldom.
@@ -13,14 +15,21 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from typing import TypeVar
 
+VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
+def set_count(count: int) -> None:
+    """Threads of ours and of numba, OpenMP and OpenBLAS, before these are loaded; 0 leaves the choice to them."""
+    if count:
+        os.environ.update(dict.fromkeys(VARIABLES, str(count)))
+
+
 def count() -> int:
-    """Threads to use: NUMBA_NUM_THREADS, which `--threads` sets, or the processors this process may run on."""
+    """Threads to use: those that were set, or the processors this process may run on."""
     available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return int(os.environ.get("NUMBA_NUM_THREADS") or available or 1)
+    return int(os.environ.get(VARIABLES[0]) or available or 1)
 
 
 def blocks(height: int, least: int = 1) -> list[tuple[int, int]]:

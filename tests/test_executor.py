@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from ipcli.errors import IpcliError, NoSolution, ParameterError
-from ipcli.executor import ItemsFailed, map_items, set_threads
+from ipcli.executor import ItemsFailed, map_items
 from ipcli.rng import stream
+from ipcli.threads import set_count
 
 NAMES = [f"scene{index}" for index in range(6)]
 
@@ -107,11 +108,11 @@ def test_workers_run_one_inner_thread_each():
     assert map_items(inner_threads, ["a"], "processes:1") == {"a": ["1", "1", "1"]}
 
 
-def test_set_threads_leaves_the_choice_to_the_libraries_at_zero(monkeypatch):
+def test_set_count_leaves_the_choice_to_the_libraries_at_zero(monkeypatch):
     monkeypatch.setattr(os, "environ", {})
-    set_threads(0)
+    set_count(0)
     assert os.environ == {}
-    set_threads(3)
+    set_count(3)
     assert set(os.environ.values()) == {"3"}
 
 

@@ -85,11 +85,11 @@ def common(command: Callable) -> Callable:
 def _with_run(command: Callable, decorators: tuple[Callable, ...]) -> Callable:
     @functools.wraps(command)
     def body(*, verbose: int, quiet: bool, **given: Any) -> Any:
-        from ipcli.executor import set_threads
+        from ipcli import threads
 
         names = given.keys() & Run.__dataclass_fields__.keys()
         run = Run(verbosity=-1 if quiet else verbose, **{name: given.pop(name) for name in names})
-        set_threads(run.threads)
+        threads.set_count(run.threads)
         return command(run=run, **given)
 
     return functools.reduce(lambda function, decorate: decorate(function), decorators, body)
