@@ -31,6 +31,13 @@ class OutputExists(IpcliError):
         super().__init__(f"{path}: exists and {why}. Give --overwrite to replace it, or another output name")
 
 
+class OutputRefused(IpcliError):
+    """A name that this run must not write to, whatever the options: an input, or a file that is not of its making."""
+
+    def __init__(self, path: Path | str, why: str):
+        super().__init__(f"{path}: {why}. Move it away, or give another output name")
+
+
 class FormatError(IpcliError):
     """A file is not what it should be: `path: what (expected X, got Y). fix`."""
 

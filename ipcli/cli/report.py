@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.kit.report import Params
+from ipcli.stages.kit.parameters import Report
 
 
 @click.command("report")
@@ -16,9 +16,9 @@ from ipcli.stages.kit.report import Params
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), metavar="PAGE.html", help="Page to write.  [default: FILE.html]"
 )
-@options.parameters(Params)
+@options.parameters(Report)
 @options.common
-def main(file: Path, output: Path | None, params: Params, run: Run) -> None:
+def main(file: Path, output: Path | None, params: Report, run: Run) -> None:
     """Draw the artefact FILE (a fused depth map, or views) as one self-contained HTML page."""
     from ipcli.stages.kit import report
 

@@ -1,32 +1,37 @@
 """When to make an artefact and how to publish it, for all stages.
 
-Up to date means: the file is there with the digest this run would have, and so are the files beside it. A different
-file is never replaced unasked. All files are written under temporary names and then published at once, the artefact
-last, so that its presence vouches for the others.
+Up to date means: the file is there whole with the digest this run would have, and so is every file beside it, as it was
+written. All files are written under temporary names and then published at once, the artefact last, so that its presence
+vouches for the others; in place of an older one, that goes first.
 """
 
 from __future__ import annotations
 
 import json
 import logging
+import os
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ipcli import params
+import numpy as np
+
+from ipcli import params, provenance
 from ipcli.errors import FormatError, OutputExists
-
-if TYPE_CHECKING:
-    import numpy as np
+from ipcli.io.files import atomic, h5
+from ipcli.stages.kit import outputs
+from ipcli.stages.kit.checkpoint import Checkpoint
+from ipcli.stages.kit.outputs import Standing
 
 log = logging.getLogger(__name__)  # "warning" is what a user hears without -v
 
-Beside = Callable[[Path, "dict[str, np.ndarray]", dict[str, Any]], None]
+Arrays = dict[str, np.ndarray]
+Beside = Callable[[Path, Arrays, dict[str, Any]], None]
 
 
 class Outcome(Enum):
@@ -51,68 +56,117 @@ class Job:
     inputs: tuple[Path, ...]
     beside: Mapping[Path, Beside] = field(default_factory=dict)
 
+    def standing(self) -> Standing:
+        """What is there of it. Raises OutputRefused for a file that is not of our making."""
+        return Standing.of(self.output, self.kind, self.beside)
 
-def make(job: Job, build: Callable[[], dict[str, np.ndarray]], run: params.Run) -> Outcome:
+
+def make(job: Job, build: Callable[[], Arrays], run: params.Run) -> Outcome:
     """Bring the artefact and its side files up to date, calling `build` for the arrays only if need be.
 
-    Raises OutputExists when another file is there, unless `run.overwrite`, which always makes the artefact anew.
+    Raises OutputExists when another result is there, unless `run.overwrite`, which always makes the artefact anew;
+    OutputRefused, whatever the options, for a name that is an input or a file not made by this command under that name;
+    IpcliError when an input changed meanwhile.
     """
-    from ipcli import provenance
+    return make_resumable(job, lambda work: build(), run)
 
+
+def make_resumable(job: Job, build: Callable[[Checkpoint], Arrays], run: params.Run) -> Outcome:
+    """`make` for long work: `build` keeps its state in a checkpoint, which a run that was killed goes on from."""
     started = time.monotonic()
+    outputs.check_names(job.output, (*job.beside, outputs.run_record_path(job.output)), job.inputs)
+    standing, before = job.standing(), outputs.statuses(job.inputs)
     record = provenance.record(job.command, params.as_dict(job.params), job.inputs, job.kind, run.seed)
-    reason = _reason(job, record["digest"], run.overwrite)
+    record["output"] = job.output.name
+    work = Checkpoint.of(job.output, record["digest"])
+    reason = _reason(job, standing, record["digest"], run.overwrite)
     if reason is None:
         log.warning("%s: up to date", job.output)
+        _forget(job, work, run)
         return Outcome.UP_TO_DATE
     log.log(logging.WARNING if run.dry_run else logging.INFO, "%s: run, since %s", job.output, reason)
     if run.dry_run:
         return Outcome.WOULD_RUN
-    _publish(job, build(), record)
+    arrays = build(work)
+    outputs.check_unchanged(before, dict(zip(job.inputs, (item["sha256"] for item in record["inputs"]), strict=True)))
+    _publish(job, arrays, record, standing)
     _write_run_record(job.output, provenance.run_record(time.monotonic() - started))
+    work.clear()
     return Outcome.DONE
 
 
-def _reason(job: Job, digest: str, overwrite: bool) -> str | None:
+def _forget(job: Job, work: Checkpoint, run: params.Run) -> None:
+    """Remove what a run that was killed as the very last thing left behind."""
+    if not run.dry_run:
+        work.clear()
+        with suppress(FileNotFoundError):
+            outputs.journal_path(job.output).unlink()
+
+
+def _reason(job: Job, standing: Standing, digest: str, overwrite: bool) -> str | None:
     """Why the job has to run, or None when its result is there."""
-    if not job.output.exists():
+    if standing.record is None:
         return "it does not exist"
     if overwrite:
         return "--overwrite is given"
-    found = _digest(job)
-    if found != digest:
+    if standing.record.get("digest") != digest:
         raise OutputExists(job.output, "was made with other parameters, inputs or seed")
-    missing = [path.name for path in job.beside if not path.is_file()]
-    return f"{', '.join(missing)} beside it does not exist" if missing else None
-
-
-def _digest(job: Job) -> str | None:
-    from ipcli.io.files import h5
-
+    missing = [path.name for path in job.beside if path.name not in standing.beside]
+    if missing:
+        return f"{', '.join(missing)} beside it does not exist"
     try:
-        header = h5.peek(job.output)
+        h5.read(job.output, job.kind)
     except FormatError as error:
-        raise OutputExists(job.output, f"is not a sound artefact of ipcli ({error})") from error
-    if header.kind != job.kind:
-        raise OutputExists(job.output, f"is of kind '{header.kind}', not '{job.kind}'")
-    return header.provenance.get("digest")
+        raise OutputExists(job.output, f"is damaged ({error})") from error
+    return None
 
 
-def _publish(job: Job, arrays: dict[str, np.ndarray], record: dict[str, Any]) -> None:
-    from ipcli.io.files import atomic, h5
-
+def _publish(job: Job, arrays: Arrays, record: dict[str, Any], standing: Standing) -> None:
     atomic.sweep(job.output.parent)
-    with ExitStack() as stack:  # leaves in reverse: nothing is published before all is written, the artefact last
-        artefact = stack.enter_context(atomic.replacing(job.output))
-        beside = [(write, stack.enter_context(atomic.replacing(path))) for path, write in job.beside.items()]
+    with ExitStack() as stack:
+        drafts = {path: stack.enter_context(atomic.drafting(path)) for path in (*job.beside, job.output)}
         with ThreadPoolExecutor() as pool:
-            writing = [pool.submit(write, path, arrays, record) for write, path in beside]
-            h5.write(artefact, job.kind, arrays, record)
+            writing = [pool.submit(write, drafts[path], arrays, record) for path, write in job.beside.items()]
         for written in writing:
             written.result()
+        record["beside"] = {path.name: provenance.sha256(drafts[path]) for path in job.beside}
+        h5.write(drafts[job.output], job.kind, arrays, record)
+        if _is_still(job, standing, record["digest"]):
+            _give_names(job, drafts, record, standing)
+
+
+def _is_still(job: Job, standing: Standing, digest: str) -> bool:
+    """Whether the names are as they were before the work; not when another run has made the very same meanwhile.
+
+    Raises OutputExists when another run, or somebody else, has been there.
+    """
+    now = job.standing()
+    if now == standing:
+        return True
+    if now.record is None or now.record.get("digest") != digest:
+        raise OutputExists(job.output, "was written by another run while this one was at work")
+    return False
+
+
+def _give_names(job: Job, drafts: Mapping[Path, Path], record: Mapping[str, Any], standing: Standing) -> None:
+    """Publish the drafts. Whenever the process is killed, the journal or the artefact vouches for every side file."""
+    known = outputs.journal(job.output)
+    for name, digest in (*standing.beside.items(), *record["beside"].items()):
+        known.setdefault(name, []).append(digest)
+    journal = outputs.journal_path(job.output)
+    atomic.write_text(journal, json.dumps({"output": job.output.name, "beside": known}, indent=1) + "\n")
+    if standing.record is not None:
+        job.output.unlink()
+    try:
+        for path in job.beside:
+            atomic.publish(drafts[path], path, replace=path.name in standing.beside)
+        atomic.publish(drafts[job.output], job.output, replace=False)
+    except FileExistsError as error:
+        raise OutputExists(job.output, "was written by another run while this one was at work") from error
+    with suppress(FileNotFoundError):
+        os.unlink(journal)
 
 
 def _write_run_record(output: Path, record: dict[str, Any]) -> None:
-    from ipcli.io.files import atomic
-
-    atomic.write_text(output.with_suffix(".run.json"), json.dumps(record, indent=2) + "\n")
+    text = json.dumps({"output": output.name} | record, indent=2) + "\n"
+    atomic.write_text(outputs.run_record_path(output), text)

@@ -4,16 +4,17 @@ where it was.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from shutil import rmtree
 from urllib.parse import quote
 
-from ipcli.errors import FormatError
+import numpy as np
 
-if TYPE_CHECKING:
-    import numpy as np
+from ipcli.errors import FormatError
+from ipcli.io.files import npz
 
 
 @dataclass(frozen=True)
@@ -27,12 +28,11 @@ class Checkpoint:
     @classmethod
     def of(cls, output: Path, digest: str) -> Checkpoint:
         """That of the run with this digest."""
-        return cls(output.with_name(f".{output.name}.{digest[:16]}.work"))
+        start = os.fsencode(output.name)[:200].decode(errors="ignore")
+        return cls(output.with_name(f".{start}.{digest[:16]}.work"))
 
     def load(self, name: str) -> dict[str, np.ndarray] | None:
         """What was last saved for this item; None if there is nothing sound."""
-        from ipcli.io.files import npz
-
         path = self._path(name)
         try:
             return npz.read(path) if path.is_file() else None
@@ -41,14 +41,10 @@ class Checkpoint:
 
     def save(self, name: str, arrays: Mapping[str, np.ndarray]) -> None:
         """Keep numeric arrays for this item in place of those before, whole or not at all."""
-        from ipcli.io.files import npz
-
         npz.write(self._path(name), arrays, durable=False)  # what a power cut damages is found out when it is loaded
 
     def clear(self) -> None:
         """Forget all items, when the output is there."""
-        from shutil import rmtree
-
         rmtree(self.folder, ignore_errors=True)
 
     def _path(self, name: str) -> Path:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
 from ipcli.errors import FormatError
+from ipcli.io.files import h5, ply
 
 
 def run(path: Path) -> dict[str, Any]:
@@ -22,16 +24,10 @@ def run(path: Path) -> dict[str, Any]:
 
 
 def _artefact(path: Path) -> dict[str, Any]:
-    import dataclasses
-
-    from ipcli.io.files import h5
-
     return dataclasses.asdict(h5.peek(path))
 
 
 def _ply(path: Path) -> dict[str, Any]:
-    from ipcli.io.files import ply
-
     header = ply.header(path)
     elements = {
         name: {"count": count, "properties": dict(properties)} for name, (count, properties) in header.elements.items()

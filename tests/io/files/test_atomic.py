@@ -13,7 +13,7 @@ from ipcli.io.files import atomic
 WRITER = """
 import sys, time
 from pathlib import Path
-from ipcli.io import atomic
+from ipcli.io.files import atomic
 with atomic.replacing(Path(sys.argv[1])) as temporary:
     temporary.write_bytes(b"new" * 1000)
     print("written", flush=True)
@@ -56,8 +56,9 @@ def test_a_kill_during_the_write_leaves_the_old_file_and_a_sweep_later_cleans(tm
     with subprocess.Popen([sys.executable, "-c", WRITER, str(path)], stdout=subprocess.PIPE, env=env) as writer:
         assert writer.stdout.readline() == b"written\n"
         writer.send_signal(signal.SIGKILL)
-    orphan = tmp_path / f".f.h5.{writer.pid}.tmp"
     assert path.read_bytes() == b"old"
+    (orphan,) = (entry for entry in tmp_path.iterdir() if entry != path)
+    assert atomic.ORPHAN.fullmatch(orphan.name)
     assert orphan.stat().st_size == 3000
     atomic.sweep(tmp_path)
     assert orphan.exists()
