@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import os
 import sys
+from collections.abc import Callable
 from functools import partial
 from importlib import import_module
 from typing import NamedTuple
@@ -22,43 +23,40 @@ INTERRUPTED = 130
 
 
 class Command(NamedTuple):
-    """Where a command lives, what it does in a line, and whether it is a console script too."""
+    """What a command does in a line, and whether it is a console script too; `a-b` lives in ipcli/cli/a_b.py."""
 
-    target: str
     help: str
     is_script: bool = False
 
 
-COMMANDS = {
-    "compare": Command("ipcli.cli.compare:main", "Compare methods by their errors over scenes."),
-    "evaluate-fusion": Command(
-        "ipcli.cli.evaluate_fusion:main", "Measure the errors of all fusion methods on a scene."
-    ),
-    "fuse-depth": Command("ipcli.cli.fuse_depth:main", "Fuse depth maps of several views into one.", is_script=True),
-    "import-clips": Command(
-        "ipcli.cli.import_clips:main", "Turn motion capture files into one file of labelled clips."
-    ),
-    "import-views": Command(
-        "ipcli.cli.import_views:main", "Turn a folder of depth maps and poses into one views file."
-    ),
-    "info": Command("ipcli.cli.info:main", "Tell what a file holds and how it was made."),
-    "kitti-views": Command("ipcli.cli.kitti_views:main", "Make views of KITTI stereo pairs."),
-    "mocap-classify": Command("ipcli.cli.mocap_classify:main", "Name the action of a motion.", is_script=True),
-    "mocap-evaluate": Command("ipcli.cli.mocap_evaluate:main", "Tell how often actions are named right."),
-    "mocap-train": Command(
-        "ipcli.cli.mocap_train:main", "Learn the behaviours of actions from motions.", is_script=True
-    ),
-    "render-views": Command("ipcli.cli.render_views:main", "Render depth maps of a mesh, with noise if wanted."),
-    "merge-depth": Command("ipcli.cli.merge_depth:main", "Join fused depth maps into one coloured cloud."),
-    "report": Command("ipcli.cli.report:main", "Turn artefacts into one HTML page."),
-    "tune-fusion": Command("ipcli.cli.tune_fusion:main", "Find the best weight of the data for each fusion method."),
+SECTIONS = {
+    "Depth maps (chapter 4)": {
+        "fuse-depth": Command("Fuse depth maps of several views into one.", is_script=True),
+        "merge-depth": Command("Join fused depth maps into one coloured cloud."),
+        "import-views": Command("Turn a folder of depth maps and poses into one views file."),
+        "kitti-views": Command("Make views of KITTI stereo pairs."),
+        "render-views": Command("Render depth maps of a mesh, with noise if wanted."),
+        "tune-fusion": Command("Find the best weight of the data for each fusion method."),
+        "evaluate-fusion": Command("Measure the errors of all fusion methods on a scene."),
+        "compare": Command("Compare methods by their errors over scenes."),
+    },
+    "Motions (chapter 5)": {
+        "mocap-train": Command("Learn the behaviours of actions from motions.", is_script=True),
+        "mocap-classify": Command("Name the action of a motion.", is_script=True),
+        "mocap-evaluate": Command("Tell how often actions are named right."),
+        "import-clips": Command("Turn motion capture files into one file of labelled clips."),
+    },
+    "Any result": {
+        "info": Command("Tell what a file holds and how it was made."),
+        "report": Command("Draw an artefact as an HTML page."),
+    },
 }
+COMMANDS = {name: command for section in SECTIONS.values() for name, command in section.items()}
 
 
 def load(name: str) -> click.Command:
     """The click command of that name."""
-    module, _, attribute = COMMANDS[name].target.partition(":")
-    command = getattr(import_module(module), attribute)
+    command = import_module(f"ipcli.cli.{name.replace('-', '_')}").main
     command.epilog = command.epilog or getattr(command.callback, "epilog", None)
     return command
 
@@ -80,8 +78,10 @@ class LazyGroup(click.Group):
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, command.help) for name, command in COMMANDS.items()])
+        widest = max(map(len, COMMANDS))
+        for title, section in SECTIONS.items():
+            with formatter.section(title):
+                formatter.write_dl([(name.ljust(widest), command.help) for name, command in section.items()])
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -100,9 +100,12 @@ def command_main(name: str, arguments: list[str] | None = None) -> int:
     return _guarded(load(name), name, arguments)
 
 
-fuse_depth = partial(command_main, "fuse-depth")
-mocap_train = partial(command_main, "mocap-train")
-mocap_classify = partial(command_main, "mocap-classify")
+def __getattr__(name: str) -> Callable[..., int]:
+    """The entry point of a console script: `fuse_depth` runs fuse-depth."""
+    command = name.replace("_", "-")
+    if command not in COMMANDS or not COMMANDS[command].is_script:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return partial(command_main, command)
 
 
 def _guarded(command: click.Command, name: str, arguments: list[str] | None) -> int:

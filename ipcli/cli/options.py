@@ -2,6 +2,7 @@
 
 `@reading`         -v -q --json                                              for commands that only read
 `@common`          these and --threads --seed --overwrite -n --executor      for commands that make artefacts
+`@output(help)`     -o
 `@parameters(Cls)` a flag for each `option(flag=...)` of a params dataclass, --set for the rest, --config for a file
 
 The body of a command gets `run: Run` from the first two and `params: Cls` from the last. `progress` and `conclude` are
@@ -66,10 +67,16 @@ EXECUTOR = click.option(
     envvar="IPCLI_EXECUTOR",
     help="Where many items run: serial, processes:N, dask or dask:ADDRESS.  [default: serial]",
 )
+PATH = click.Path(path_type=Path)  # type of every argument that is a file or folder
 CONFIG = click.option(
     "--config", type=click.Path(path_type=Path), metavar="FILE.toml", help="Read parameters from a file."
 )
 SET = click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="Set any parameter; may be repeated.")
+
+
+def output(help: str) -> Callable:
+    """-o: where the result goes. What the name may be is checked by the stage, before any work."""
+    return click.option("-o", "--output", type=PATH, required=True, help=help)
 
 
 def reading(command: Callable) -> Callable:
@@ -107,7 +114,7 @@ def parameters(cls: type) -> Callable[[Callable], Callable]:
             params = resolve(cls, config=config, env=os.environ, sets=sets, flags=flags)
             return command(params=params, **given)
 
-        body.epilog = _epilog(cls)
+        body.__dict__["epilog"] = _epilog(cls)  # where main.load finds it
         decorators = [SET, CONFIG, *(_flag(leaf) for leaf in reversed(flagged))]
         return functools.reduce(lambda function, decorate: decorate(function), decorators, body)
 
@@ -120,7 +127,7 @@ def _variable(leaf: Leaf) -> str:
 
 def _flag(leaf: Leaf) -> Callable:
     """Text passes as it is: `resolve` reads it in the same way as --set and the environment."""
-    flag = leaf.option.flag
+    flag = leaf.option.flag or ""  # only leaves that have one come here
     if shape(leaf.type)[0] is bool:
         name = f"{flag}/--no-{flag.removeprefix('--')}"
         return click.option(name, _variable(leaf), default=None, help=_help(leaf))
