@@ -11,7 +11,8 @@ import click
 import pytest
 
 from ipcli.cli import main as cli
-from tests.fixtures.commands import CASES, line
+from tests.fixtures import mocap_clips
+from tests.fixtures.commands import CASES, fused, line
 
 OWN = {"report"}  # its page is no artefact: tests/stages/kit/test_report.py
 MODULE_SCOPE = "module"
@@ -111,20 +112,15 @@ def test_foreign_files_under_the_names_it_would_write_are_kept(command, case, op
 
 
 def test_an_artefact_of_another_kind_is_kept(command, case, options, capsys, tmp_path):
-    other = next(path for name, path in _artefacts(tmp_path) if name not in command)
+    other = clips(tmp_path / "other.h5") if command.startswith("fuse") else fused(tmp_path / "other.h5")
     output = tmp_path / "out" / (case.into_folder or "x.h5")
     output.parent.mkdir()
     shutil.copy(other, output)
     assert "is of kind" in refused(command, case, target(command, case, output), options, capsys)
 
 
-def _artefacts(folder):
-    from tests.fixtures.commands import fused
-
-    yield "fuse-depth", fused(folder / "other.h5")
-    from tests.fixtures import mocap_clips
-
-    yield "", mocap_clips.write(folder / "clips.h5", mocap_clips.every(frames=3, repeats=1))
+def clips(path):
+    return mocap_clips.write(path, mocap_clips.every(frames=3, repeats=1))
 
 
 @pytest.mark.parametrize("name", ["mesh.gz", "page.html", "run.1", "-", "folder"])

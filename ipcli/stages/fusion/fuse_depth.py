@@ -77,7 +77,9 @@ def run_all(source: Path, folder: Path, params: Params, run: Run, progress: Prog
     failed.
     """
     from ipcli.executor import map_items
+    from ipcli.stages.kit import outputs
 
+    outputs.check_place(folder, folder=True)
     if params.reference or params.camera:
         raise ParameterError("--all takes the views in turn as reference: leave out --reference and --camera")
     names = open_source(source, params.source).names[:: params.step]

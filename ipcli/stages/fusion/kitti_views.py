@@ -68,7 +68,9 @@ def run(
     Raises ItemsFailed at the end when some scenes failed, and ParameterError for a scene that is not there.
     """
     from ipcli.executor import map_items
+    from ipcli.stages.kit import outputs
 
+    outputs.check_place(output, folder=True)
     if params.sgbm.disparities % 16 or params.sgbm.block % 2 == 0:
         raise ParameterError("sgbm.disparities must be a multiple of 16, and sgbm.block odd")
     scene = partial(make_scene, folder=folder, poses=poses, output=output, params=params, run=run)
