@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import logging
-import os
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -22,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from ipcli import params, provenance
-from ipcli.errors import FormatError, OutputExists
+from ipcli.errors import FormatError, OutputExists, OutputRefused
 from ipcli.io.files import atomic, h5
 from ipcli.stages.kit import outputs
 from ipcli.stages.kit.checkpoint import Checkpoint
@@ -77,30 +76,29 @@ def make_resumable(job: Job, build: Callable[[Checkpoint], Arrays], run: params.
     outputs.check_names(job.output, (*job.beside, outputs.run_record_path(job.output)), job.inputs)
     standing, before = job.standing(), outputs.statuses(job.inputs)
     record = provenance.record(job.command, params.as_dict(job.params), job.inputs, job.kind, run.seed)
-    record["output"] = job.output.name
     work = Checkpoint.of(job.output, record["digest"])
     reason = _reason(job, standing, record["digest"], run.overwrite)
     if reason is None:
         log.warning("%s: up to date", job.output)
-        _forget(job, work, run)
+        if not run.dry_run:
+            _forget(job, work)
         return Outcome.UP_TO_DATE
     log.log(logging.WARNING if run.dry_run else logging.INFO, "%s: run, since %s", job.output, reason)
     if run.dry_run:
         return Outcome.WOULD_RUN
     arrays = build(work)
     outputs.check_unchanged(before, dict(zip(job.inputs, (item["sha256"] for item in record["inputs"]), strict=True)))
-    _publish(job, arrays, record, standing)
-    _write_run_record(job.output, provenance.run_record(time.monotonic() - started))
-    work.clear()
+    files = _publish(job, arrays, record, standing)
+    _write_run_record(job.output, files, provenance.run_record(time.monotonic() - started))
+    _forget(job, work)
     return Outcome.DONE
 
 
-def _forget(job: Job, work: Checkpoint, run: params.Run) -> None:
-    """Remove what a run that was killed as the very last thing left behind."""
-    if not run.dry_run:
-        work.clear()
-        with suppress(FileNotFoundError):
-            outputs.journal_path(job.output).unlink()
+def _forget(job: Job, work: Checkpoint) -> None:
+    """Remove what only an unfinished run needs."""
+    work.clear()
+    with suppress(FileNotFoundError):
+        outputs.journal_path(job.output).unlink()
 
 
 def _reason(job: Job, standing: Standing, digest: str, overwrite: bool) -> str | None:
@@ -108,31 +106,40 @@ def _reason(job: Job, standing: Standing, digest: str, overwrite: bool) -> str |
     if standing.record is None:
         return "it does not exist"
     if overwrite:
+        standing.check_replaceable(job.output)
         return "--overwrite is given"
     if standing.record.get("digest") != digest:
         raise OutputExists(job.output, "was made with other parameters, inputs or seed")
-    missing = [path.name for path in job.beside if path.name not in standing.beside]
+    missing = [path.name for path in job.beside if path.suffix not in standing.files]
     if missing:
+        standing.check_replaceable(job.output)
         return f"{', '.join(missing)} beside it does not exist"
-    try:
-        h5.read(job.output, job.kind)
-    except FormatError as error:
-        raise OutputExists(job.output, f"is damaged ({error})") from error
+    if not standing.is_recorded:
+        _check_sound(job)
     return None
 
 
-def _publish(job: Job, arrays: Arrays, record: dict[str, Any], standing: Standing) -> None:
+def _check_sound(job: Job) -> None:
+    try:
+        h5.read(job.output, job.kind)
+    except FormatError as error:
+        raise OutputRefused(job.output, f"exists and is damaged ({error})") from error
+
+
+def _publish(job: Job, arrays: Arrays, record: dict[str, Any], standing: Standing) -> Mapping[str, str]:
+    """Write all files and give them their names; the digest of each by its suffix."""
     atomic.sweep(job.output.parent)
     with ExitStack() as stack:
         drafts = {path: stack.enter_context(atomic.drafting(path)) for path in (*job.beside, job.output)}
         with ThreadPoolExecutor() as pool:
             writing = [pool.submit(write, drafts[path], arrays, record) for path, write in job.beside.items()]
+            h5.write(drafts[job.output], job.kind, arrays, record)
         for written in writing:
             written.result()
-        record["beside"] = {path.name: provenance.sha256(drafts[path]) for path in job.beside}
-        h5.write(drafts[job.output], job.kind, arrays, record)
+        files = {path.suffix: provenance.sha256(draft) for path, draft in drafts.items()}
         if _is_still(job, standing, record["digest"]):
-            _give_names(job, drafts, record, standing)
+            _give_names(job, drafts, files, standing)
+    return files
 
 
 def _is_still(job: Job, standing: Standing, digest: str) -> bool:
@@ -148,25 +155,20 @@ def _is_still(job: Job, standing: Standing, digest: str) -> bool:
     return False
 
 
-def _give_names(job: Job, drafts: Mapping[Path, Path], record: Mapping[str, Any], standing: Standing) -> None:
-    """Publish the drafts. Whenever the process is killed, the journal or the artefact vouches for every side file."""
-    known = outputs.journal(job.output)
-    for name, digest in (*standing.beside.items(), *record["beside"].items()):
-        known.setdefault(name, []).append(digest)
-    journal = outputs.journal_path(job.output)
-    atomic.write_text(journal, json.dumps({"output": job.output.name, "beside": known}, indent=1) + "\n")
+def _give_names(job: Job, drafts: Mapping[Path, Path], files: Mapping[str, str], standing: Standing) -> None:
+    """Publish the drafts. Whenever the process is killed, the journal or the run record vouches for every file."""
+    text = outputs.journal(job.output, (*standing.files.items(), *files.items()))
+    atomic.write_text(outputs.journal_path(job.output), text)
     if standing.record is not None:
         job.output.unlink()
     try:
         for path in job.beside:
-            atomic.publish(drafts[path], path, replace=path.name in standing.beside)
+            atomic.publish(drafts[path], path, replace=path.suffix in standing.files)
         atomic.publish(drafts[job.output], job.output, replace=False)
     except FileExistsError as error:
         raise OutputExists(job.output, "was written by another run while this one was at work") from error
-    with suppress(FileNotFoundError):
-        os.unlink(journal)
 
 
-def _write_run_record(output: Path, record: dict[str, Any]) -> None:
-    text = json.dumps({"output": output.name} | record, indent=2) + "\n"
+def _write_run_record(output: Path, files: Mapping[str, str], record: dict[str, Any]) -> None:
+    text = json.dumps({"output": output.name, "files": dict(files)} | record, indent=2) + "\n"
     atomic.write_text(outputs.run_record_path(output), text)

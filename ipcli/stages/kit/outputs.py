@@ -1,7 +1,7 @@
 """Which names a run may write to: none that is an input, and of those that are taken only what it made itself.
 
-An artefact records the name it was written under and the digest of each file beside it; so does the journal that stands
-beside it while they are published. Any other file under one of these names is somebody else's, or was changed since.
+X.run.json records under which name the files of a run were written, and the digest of each; while they are published, a
+journal does. Any other file under one of these names is somebody else's, or was changed since.
 """
 
 from __future__ import annotations
@@ -62,25 +62,30 @@ class Standing:
     """What is there of an artefact and of the files beside it, all of our own making."""
 
     record: Mapping[str, Any] | None  # provenance of the artefact; None: there is none
-    beside: Mapping[str, str]  # digest of each side file that is there, by name
-    status: Status | None  # of the artefact's file
+    files: Mapping[str, str]  # digest of each file that is there, by suffix
+    is_recorded: bool  # whether a record says that ipcli wrote the artefact under this name
 
     @classmethod
     def of(cls, output: Path, kind: str, beside: Iterable[Path]) -> Standing:
         """Look. Raises OutputRefused for a file that is not of our making, or was changed since."""
-        record, status = _record(output, kind), file_status(output)
-        ours = _vouched(record, journal(output))
-        found = {}
+        record, ours = _provenance(output, kind), _written(output)
+        found = {path.suffix: provenance.sha256(path) for path in (output, *beside) if os.path.lexists(path)}
         for path in beside:
-            if os.path.lexists(path):
-                found[path.name] = provenance.sha256(path)
-                if found[path.name] not in ours.get(path.name, ()):
-                    raise OutputRefused(path, f"exists and is not what ipcli wrote there with {output.name}")
-        _check_run_record(output)
-        return cls(record, found, status)
+            if path.suffix in found and found[path.suffix] not in ours.get(path.suffix, ()):
+                raise OutputRefused(path, f"exists and is not what ipcli wrote there with {output.name}")
+        written = ours.get(ARTEFACT, ())
+        if record is not None and written and found[ARTEFACT] not in written:
+            raise OutputRefused(output, "exists and was damaged or changed since ipcli wrote it")
+        return cls(record, found, bool(written))
+
+    def check_replaceable(self, output: Path) -> None:
+        """Raise OutputRefused when there is an artefact that nothing says was written under this name."""
+        if self.record is not None and not self.is_recorded:
+            beside = run_record_path(output).name
+            raise OutputRefused(output, f"exists, and no {beside} beside it says that ipcli wrote it under this name")
 
 
-def _record(output: Path, kind: str) -> Mapping[str, Any] | None:
+def _provenance(output: Path, kind: str) -> Mapping[str, Any] | None:
     if not os.path.lexists(output):
         return None
     try:
@@ -89,27 +94,12 @@ def _record(output: Path, kind: str) -> Mapping[str, Any] | None:
         raise OutputRefused(output, f"exists and is not a sound artefact of ipcli ({error})") from error
     if header.kind != kind:
         raise OutputRefused(output, f"exists and is of kind '{header.kind}', not '{kind}'")
-    if (name := header.provenance.get("output")) != output.name:
-        raise OutputRefused(output, f"exists and was written under another name, {name}")
     return header.provenance
 
 
-def _vouched(record: Mapping[str, Any] | None, entries: Mapping[str, list[str]]) -> dict[str, set[str]]:
-    found = {name: set(digests) for name, digests in entries.items()}
-    for name, digest in (record or {}).get("beside", {}).items():
-        found.setdefault(name, set()).add(digest)
-    return found
-
-
 def run_record_path(output: Path) -> Path:
-    """Where what varies from run to run is kept."""
+    """Where what varies from run to run is kept, and what was written."""
     return output.with_suffix(".run.json")
-
-
-def _check_run_record(output: Path) -> None:
-    path = run_record_path(output)
-    if os.path.lexists(path) and _json(path).get("output") != output.name:
-        raise OutputRefused(path, f"exists and is not what ipcli wrote there with {output.name}")
 
 
 def journal_path(output: Path) -> Path:
@@ -117,10 +107,29 @@ def journal_path(output: Path) -> Path:
     return output.with_name(f".{hashlib.sha256(os.fsencode(output.name)).hexdigest()[:32]}.journal.ipcli")
 
 
-def journal(output: Path) -> dict[str, list[str]]:
-    """Digests that each side file may have had while they were published; empty when nobody was interrupted."""
-    entries = _json(journal_path(output)).get("beside", {})
-    return {str(name): [str(digest) for digest in digests] for name, digests in entries.items()}
+def _written(output: Path) -> dict[str, set[str]]:
+    """Digests that each file may have by what the run record and the journal say, by suffix.
+
+    Raises OutputRefused for a run record that is not of our making.
+    """
+    record = run_record_path(output)
+    if os.path.lexists(record) and _json(record).get("output") != output.name:
+        raise OutputRefused(record, f"exists and is not what ipcli wrote there with {output.name}")
+    found: dict[str, set[str]] = {}
+    for path in (record, journal_path(output)):
+        files = _json(path).get("files")
+        for suffix, digests in files.items() if isinstance(files, dict) else ():
+            found.setdefault(suffix, set()).update(map(str, digests if isinstance(digests, list) else [digests]))
+    return found
+
+
+def journal(output: Path, files: Iterable[tuple[str, str]]) -> str:
+    """The text of a journal: each file may have these digests, and those that were known before."""
+    known = _written(output)
+    for suffix, digest in files:
+        known.setdefault(suffix, set()).add(digest)
+    listed = {suffix: sorted(digests) for suffix, digests in sorted(known.items())}
+    return json.dumps({"output": output.name, "files": listed}, indent=1) + "\n"
 
 
 def _json(path: Path) -> dict[str, Any]:

@@ -77,14 +77,34 @@ def test_a_foreign_side_file_is_refused_before_any_work(maker, name, when, overw
     assert (listed(path.parent), maker.built) == (before, built)
 
 
-@EITHER
-def test_an_artefact_that_was_written_under_another_name_is_not_replaced(maker, overwrite):
+def test_an_artefact_that_was_written_under_another_name_is_not_replaced(maker):
     maker()
     other = maker.output.rename(maker.output.with_name("b.views.h5"))
     before = other.read_bytes()
-    with pytest.raises(OutputRefused, match="was written under another name, a.views.h5"):
-        make(Job(other, "views", "test", Size(), ()), dict, Run(overwrite=overwrite))
+    for size, overwrite in ((3, True), (4, True), (4, False)):
+        job = Job(other, "views", "test", Size(size), (maker.source,))
+        with pytest.raises((OutputRefused, OutputExists), match=r"no b\.views\.run\.json|made with other parameters"):
+            make(job, lambda: maker.build(3), Run(overwrite=overwrite))
     assert other.read_bytes() == before
+
+
+def test_the_same_work_gives_the_same_bytes_under_any_name_and_needs_its_record_to_be_replaced(maker):
+    maker()
+    there = maker.folder / "there"
+    there.mkdir()
+    output, side = there / "c.views.h5", there / "c.views.txt"
+    job = Job(output, "views", "test", Size(), (maker.source,), {side: maker.write_side})
+    make(job, lambda: maker.build(3), Run())
+    assert (output.read_bytes(), side.read_bytes()) == maker.bytes()
+    (there / "c.views.run.json").unlink()
+    with pytest.raises(OutputRefused, match="c.views.txt: exists and is not what ipcli wrote"):
+        make(job, dict, Run())
+    side.unlink()
+    for overwrite in (False, True):
+        with pytest.raises(OutputRefused, match="no c.views.run.json beside it"):
+            make(job, dict, Run(overwrite=overwrite))
+    alone = Job(output, "views", "test", Size(), (maker.source,))
+    assert make(alone, dict, Run()) is Outcome.UP_TO_DATE
 
 
 @pytest.mark.parametrize("part", [0.0, 0.5, 0.999])
@@ -251,7 +271,7 @@ def strays(maker):
 
 
 def test_a_journal_that_is_no_journal_vouches_for_nothing(maker):
-    for text in ("[]", "{", json.dumps({"beside": {"a.txt": ["0" * 64]}}), "[" * 100_000):
+    for text in ("[]", "{", json.dumps({"files": {".txt": ["0" * 64]}}), '{"files": [1]}', "[" * 100_000):
         maker.output.parent.mkdir(exist_ok=True)
         outputs.journal_path(maker.output).write_text(text)
         maker.side.write_text("somebody else's")
