@@ -13,7 +13,7 @@ from ipcli.errors import ParameterError
 
 def has_page(kind: str) -> bool:
     """Whether a registered kind has a page."""
-    return find_spec(_name(kind)) is not None
+    return kind in schema.KINDS and find_spec(_name(kind)) is not None
 
 
 def renderer(kind: str) -> Callable[..., str]:

@@ -62,8 +62,9 @@ def probe(monkeypatch):
         options.conclude(Path("result.h5"), run)
 
     seen: list[tuple[Params, Run]] = []
-    monkeypatch.setitem(sys.modules, "probe_module", types.SimpleNamespace(main=main))
-    monkeypatch.setitem(cli.COMMANDS, "probe", cli.Command("probe_module:main", "Probe."))
+    monkeypatch.setitem(sys.modules, "ipcli.cli.probe", types.SimpleNamespace(main=main))
+    monkeypatch.setitem(cli.COMMANDS, "probe", cli.Command("Probe."))
+    monkeypatch.setitem(cli.SECTIONS, "Probes", {"probe": cli.Command("Probe.")})
     monkeypatch.setattr(os, "environ", os.environ.copy())
     return seen
 
@@ -204,8 +205,8 @@ def endless():
     while True:
         print("x" * 1000, flush=True)
         time.sleep(0.01)
-sys.modules["endless"] = types.SimpleNamespace(main=endless)
-main.COMMANDS["endless"] = main.Command("endless:main", "")
+sys.modules["ipcli.cli.endless"] = types.SimpleNamespace(main=endless)
+main.COMMANDS["endless"] = main.Command("")
 sys.exit(main.main(["endless"]))
 """
 

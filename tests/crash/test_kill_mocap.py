@@ -26,13 +26,16 @@ KILLED_WHEN = """
 import os, signal, sys
 from pathlib import Path
 from ipcli.cli.main import main
-replace, seen, (count, end) = os.replace, [], sys.argv.pop(1).split("*")
-def counted(source, target):
-    seen.append(Path(target).name.endswith(end))
-    if sum(seen) > int(count):
-        os.kill(os.getpid(), signal.SIGKILL)
-    replace(source, target)
-os.replace = counted
+seen, (count, end) = [], sys.argv.pop(1).split("*")
+def counting(name):
+    function = getattr(os, name)
+    def counted(source, target):
+        seen.append(Path(target).name.endswith(end))
+        if sum(seen) > int(count):
+            os.kill(os.getpid(), signal.SIGKILL)
+        function(source, target)
+    setattr(os, name, counted)
+counting("replace"), counting("link")
 main(sys.argv[1:])
 """
 DONE = ".done.npz"  # what a mixture leaves that has been learnt

@@ -12,7 +12,7 @@ import logging
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
@@ -81,7 +81,7 @@ def make_resumable(job: Job, build: Callable[[Checkpoint], Arrays], run: params.
     if reason is None:
         log.warning("%s: up to date", job.output)
         if not run.dry_run:
-            _forget(job, work)
+            _tidy(job, work, standing)
         return Outcome.UP_TO_DATE
     log.log(logging.WARNING if run.dry_run else logging.INFO, "%s: run, since %s", job.output, reason)
     if run.dry_run:
@@ -90,15 +90,18 @@ def make_resumable(job: Job, build: Callable[[Checkpoint], Arrays], run: params.
     outputs.check_unchanged(before, dict(zip(job.inputs, (item["sha256"] for item in record["inputs"]), strict=True)))
     files = _publish(job, arrays, record, standing)
     _write_run_record(job.output, files, provenance.run_record(time.monotonic() - started))
-    _forget(job, work)
+    _tidy(job, work, standing)
     return Outcome.DONE
 
 
-def _forget(job: Job, work: Checkpoint) -> None:
-    """Remove what only an unfinished run needs."""
+def _tidy(job: Job, work: Checkpoint, standing: Standing) -> None:
+    """Remove what only an unfinished run needs; one that was killed before its run record gets a short one."""
     work.clear()
-    with suppress(FileNotFoundError):
-        outputs.journal_path(job.output).unlink()
+    journal = outputs.journal_path(job.output)
+    if journal.exists():
+        if not outputs.run_record_path(job.output).exists():
+            _write_run_record(job.output, standing.files, {})
+        journal.unlink()
 
 
 def _reason(job: Job, standing: Standing, digest: str, overwrite: bool) -> str | None:

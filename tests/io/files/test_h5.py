@@ -230,7 +230,7 @@ def test_a_doctored_file_is_refused_with_its_reason(damage, path):
 
 
 def test_other_files_are_told_apart(path, tmp_path):
-    with pytest.raises(FormatError, match="wrong kind of artefact .expected depth, got views"):
+    with pytest.raises(FormatError, match="wrong kind of artefact .expected fused-depth, got views"):
         h5.read(path, "fused-depth")
     (tmp_path / "text.h5").write_text("hello")
     for name, message in (("absent.h5", "no such file"), ("", "no such file"), ("text.h5", "not a readable HDF5")):

@@ -33,7 +33,7 @@ def test_an_artefact_gives_back_the_views_that_went_into_it(stored):
     assert sequence.files("1") == (path,)
     for name, view in zip(sequence.names, written, strict=True):
         found = sequence.load(name)
-        for field in layouts.PER_VIEW:
+        for field in artefact.PER_VIEW:
             np.testing.assert_equal(getattr(found, field), getattr(view, field))
 
 

@@ -221,5 +221,5 @@ def test_a_long_sequence_is_sampled_evenly():
 
 
 def test_a_kind_without_a_page_is_refused():
-    with pytest.raises(ParameterError, match="no report for artefacts of kind 'gaze'.*depth,.* views"):
-        renderer("gaze")
+    with pytest.raises(ParameterError, match="no report for artefacts of kind 'notes'.*fused-depth,.* views"):
+        renderer("notes")

@@ -120,5 +120,5 @@ def test_the_command_line(files, tmp_path, capsys):
     assert capsys.readouterr().out == f"{output}\n"
     assert main(["report", str(tmp_path / "x.h5"), "-o", str(tmp_path / "again.html")]) == 0
     page = (tmp_path / "again.html").read_text(encoding="utf-8")
-    assert page == (tmp_path / "x.html").read_text(encoding="utf-8")
+    assert page.startswith((tmp_path / "x.html").read_text(encoding="utf-8"))  # and its seal
     assert "00.fused.h5" in page
