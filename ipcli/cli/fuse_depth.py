@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.fusion.fuse_depth import Params
+from ipcli.stages.fusion.parameters import FuseDepth
 
 
 @click.command("fuse-depth")
@@ -20,9 +20,9 @@ from ipcli.stages.fusion.fuse_depth import Params
     required=True,
     help="Fused map to write, such as X.fused.h5; a folder with --all.",
 )
-@options.parameters(Params)
+@options.parameters(FuseDepth)
 @options.common
-def main(views: Path, output: Path, params: Params, run: Run) -> None:
+def main(views: Path, output: Path, params: FuseDepth, run: Run) -> None:
     """Fuse the depth maps of VIEWS into one depth map of a reference view, with its confidence.
 
     VIEWS is a views artefact, a dense COLMAP workspace, a TUM, Open3D/ICL-NUIM or 7-Scenes recording, or a plain folder

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ipcli.report.fusion.averages import over_scenes
+from ipcli.measurements.accuracy import mean_over_scenes
 from ipcli.report.kit import provenance as origin
 from ipcli.report.kit.curves import Series, plot
 from ipcli.report.kit.numbers import number
@@ -44,7 +44,8 @@ def measured(arrays: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Means over the scenes of the measure that was tuned: (m, n) over the grid, and (m,) at the automatic lambda."""
     columns = [str(name) for name in arrays["columns"]]
     chosen = columns.index(str(arrays["measure"]))
-    return over_scenes(arrays["values"], columns)[..., chosen], over_scenes(arrays["automatic"], columns)[..., chosen]
+    values, automatic = (mean_over_scenes(arrays[field], columns)[..., chosen] for field in ("values", "automatic"))
+    return values, automatic
 
 
 def plots(arrays: Mapping[str, np.ndarray], values: np.ndarray, automatic: np.ndarray) -> list[Markup]:

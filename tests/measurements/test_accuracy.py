@@ -1,16 +1,16 @@
 import numpy as np
 import pytest
 
-from ipcli.report.fusion.averages import depth_average, over_scenes
+from ipcli.measurements.accuracy import depth_average, mean_over_scenes
 
 
 def test_errors_have_a_geometric_mean_and_percentages_an_arithmetic_one():
     values = np.array([[[1.0, 0.0]], [[4.0, 3.0]]])
-    np.testing.assert_allclose(over_scenes(values, ["RMSE", "out-3 %"]), [[2.0, 1.5]])
+    np.testing.assert_allclose(mean_over_scenes(values, ["RMSE", "out-3 %"]), [[2.0, 1.5]])
 
 
 def test_what_is_not_known_of_one_scene_is_not_known_of_the_mean():
-    assert np.isnan(over_scenes(np.array([[1.0], [np.nan]]), ["RMSE"]))[0]
+    assert np.isnan(mean_over_scenes(np.array([[1.0], [np.nan]]), ["RMSE"]))[0]
 
 
 def test_the_depth_average_is_that_of_the_thesis_tables():
