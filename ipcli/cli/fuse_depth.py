@@ -33,7 +33,10 @@ def main(views: Path, output: Path, params: FuseDepth, run: Run) -> None:
     from ipcli.stages.fusion import fuse_depth
 
     with options.progress("fuse-depth", run) as tell:
-        outcomes = (fuse_depth.run_all if params.every else fuse_depth.run)(views, output, params, run, tell)
+        if params.every:
+            outcomes = fuse_depth.run_all(views, output, params, run, tell)
+        else:
+            outcomes = {output: fuse_depth.run(views, output, params, run, tell)}
     if run.json and params.every:
         options.conclude({"outputs": {str(path): outcome.value for path, outcome in outcomes.items()}}, run)
     else:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ipcli.measurements.accuracy import depth_average, mean_over_scenes
+from ipcli.measurements.accuracy import depth_average, mean_over_scenes, sparsification_curve
 
 
 def test_errors_have_a_geometric_mean_and_percentages_an_arithmetic_one():
@@ -17,3 +17,15 @@ def test_the_depth_average_is_that_of_the_thesis_tables():
     """L1-heuristic of table 4.2: RMSE, ZMAE and NMAE give its Z-avg."""
     row = np.array([9.0, 0.0831, 0.0572, 0.5893])
     assert depth_average(row, ["RMSE", "centred RMSE", "Z-MAE", "N-MAE rad"]) == pytest.approx(0.1410, abs=1e-4)
+
+
+def test_sparsification_against_its_definition():
+    rng = np.random.default_rng(2)
+    error, confidence = rng.gamma(1, 1, 500), rng.gamma(1, 1, 500)
+    shares, kept = sparsification_curve(error, -confidence)
+    for share, mean in zip(shares, kept, strict=True):
+        count = round(share * 5)
+        assert mean == pytest.approx(error[np.argsort(-confidence)[:count]].mean())
+    assert shares[-1] == 100
+    assert kept[-1] == pytest.approx(error.mean())
+    assert (sparsification_curve(error, error)[1] <= kept + 1e-12).all()

@@ -104,7 +104,8 @@ def sweep_lambdas(
     Keys: `columns` (c,), `automatic_lambda` (m,), `automatic` and `values`. The errors of a method are taken on the
     pixels that all its maps have.
     """
-    automatic_lambda, automatic, values, columns = [], [], [], []
+    columns: list[str] = []
+    automatic_lambda, automatic, values = [], [], []
     for variant in variants:
         if variant.is_regularised:
             fused = [scene.fuse(variant, fusion, lam) for lam in (None, *lambdas)]

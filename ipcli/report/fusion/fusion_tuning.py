@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from ipcli.report.kit.page import page as document
 WITHIN = 1.1  # times the error at the best lambda is close enough for the automatic one
 
 
-def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = 0) -> str:
+def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], *, widest: int = 0) -> str:
     """The HTML of a `tuning` artefact; it has no pictures for `widest` to bound."""
     methods, scenes = ([str(name) for name in arrays[field]] for field in ("methods", "scenes"))
     values, automatic = measured(arrays)

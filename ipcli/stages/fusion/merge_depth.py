@@ -91,7 +91,7 @@ def read_map(path: Path) -> FusedMap:
 def cloud_arrays(cloud: Cloud, files: Sequence[Path], unit: str) -> dict[str, np.ndarray]:
     """The arrays of the `fusion-cloud` artefact: the cloud, and what each map gave to it."""
     points, counts = cloud.points, cloud.counts
-    arrays = {
+    arrays: dict[str, np.ndarray] = {
         "points": points.position.astype(np.float32),
         "normals": points.normal.astype(np.float32),
         "confidence": points.confidence.astype(np.float32),
