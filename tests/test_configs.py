@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from ipcli import params
-from ipcli.stages.fusion import fuse_depth
+from ipcli.stages.fusion.parameters import FuseDepth
 from ipcli.stages.mocap import mocap_train
 
 CONFIGS = Path(__file__).parent.parent / "configs"
-CLASSES = {"fuse-depth": fuse_depth.Params, "mocap-train": mocap_train.Params}
+CLASSES = {"fuse-depth": FuseDepth, "mocap-train": mocap_train.Params}
 
 
 @pytest.mark.parametrize("path", sorted(CONFIGS.glob("*/*.toml")), ids=lambda path: path.stem)

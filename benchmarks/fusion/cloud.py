@@ -38,9 +38,10 @@ def fused(views: str, folder: str, window: int, step: int) -> float:
     """Write the fused maps; the seconds."""
     from ipcli.params import Run
     from ipcli.stages.fusion import fuse_depth
+    from ipcli.stages.fusion.parameters import FuseDepth
 
     started = time.perf_counter()
-    fuse_depth.run_all(Path(views), Path(folder), fuse_depth.Params(window=window, every=True, step=step), Run())
+    fuse_depth.run_all(Path(views), Path(folder), FuseDepth(window=window, every=True, step=step), Run())
     return time.perf_counter() - started
 
 
@@ -49,9 +50,10 @@ def merged(folder: str) -> float:
     from ipcli.io.files import ply
     from ipcli.params import Run
     from ipcli.stages.fusion import merge_depth
+    from ipcli.stages.fusion.parameters import MergeDepth
 
     started, cloud = time.perf_counter(), Path(folder) / "cloud.ply"
-    merge_depth.run(list(Path(folder).glob("*.fused.h5")), cloud, merge_depth.Params(), Run())
+    merge_depth.run(list(Path(folder).glob("*.fused.h5")), cloud, MergeDepth(), Run())
     seconds = time.perf_counter() - started
     np.save(Path(folder) / "cloud.npy", ply.read(cloud).vertices)
     return seconds

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ipcli.measurements.accuracy import depth_average, mean_over_scenes
 from ipcli.report.fusion import fusion_tuning
 from ipcli.report.fusion.accuracy import best
-from ipcli.report.fusion.averages import depth_average, over_scenes
 from ipcli.report.fusion.fusion_trials import SHOWN, SPARSIFICATION, extent, lights
 from ipcli.report.kit.curves import Series, plot
 from ipcli.report.kit.numbers import DASH, aligned, number
@@ -121,7 +121,7 @@ class Experiment:
 
 def averaged(values: np.ndarray, columns: Sequence[str], arithmetic: bool = False) -> np.ndarray:
     """Means over scenes of measures (s, m, c), with Z-avg as one measure more: (m, c + 1)."""
-    means = over_scenes(values, columns, arithmetic=arithmetic)
+    means = mean_over_scenes(values, columns, arithmetic=arithmetic)
     return np.column_stack([means, depth_average(means, columns)])
 
 

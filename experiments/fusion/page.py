@@ -16,8 +16,7 @@ from experiments.fusion import experiment as report
 from experiments.fusion.experiment import Bar, Experiment, Printed
 from experiments.kit import figures
 from ipcli.io.files import atomic, h5, npz
-from ipcli.models.fusion.parameters import Fusion
-from ipcli.stages.fusion.scenes import parse
+from ipcli.models.fusion.parameters import Fusion, parse_variants
 
 HERE = Path(__file__).parent
 SYNTHETIC = (
@@ -87,7 +86,9 @@ def gather(name: str, out: Path, files: list[Path], quick: bool) -> Experiment:
             + about["lead"]
         )
     bars = [] if quick else read_bars(name)
-    return Experiment(default=parse(Fusion.method)[0].label, printed=read_printed(name), bars=bars, **about, **found)
+    return Experiment(
+        default=parse_variants(Fusion.method)[0].label, printed=read_printed(name), bars=bars, **about, **found
+    )
 
 
 def read_printed(name: str) -> list[Printed]:

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.fusion.compare import Params
+from ipcli.stages.fusion.parameters import CompareFusion
 
 
 @click.command("compare")
@@ -16,9 +16,9 @@ from ipcli.stages.fusion.compare import Params
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), required=True, help="Table to write, such as X.comparison.h5."
 )
-@options.parameters(Params)
+@options.parameters(CompareFusion)
 @options.common
-def main(files: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
+def main(files: tuple[Path, ...], output: Path, params: CompareFusion, run: Run) -> None:
     """Compare the errors of fused maps with a truth, or of trials (FILES), over scenes and methods.
 
     A file's scene is its name up to the first dot. Beside the output come a page to open (.html) and all figures (.csv,

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.fusion.evaluate_fusion import Params
+from ipcli.stages.fusion.parameters import EvaluateFusion
 
 
 @click.command("evaluate-fusion")
@@ -19,9 +19,9 @@ from ipcli.stages.fusion.evaluate_fusion import Params
 @click.option(
     "--tuning", type=click.Path(path_type=Path), help="Artefact of tune-fusion: try each method at its best lambda too."
 )
-@options.parameters(Params)
+@options.parameters(EvaluateFusion)
 @options.common
-def main(views: Path, output: Path, tuning: Path | None, params: Params, run: Run) -> None:
+def main(views: Path, output: Path, tuning: Path | None, params: EvaluateFusion, run: Run) -> None:
     """Fuse VIEWS, whose truth is known, by several methods and measure the errors of each.
 
     Beside the output comes a page with the table, the surfaces in light and what the confidences are worth (.html).

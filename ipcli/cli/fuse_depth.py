@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.fusion.fuse_depth import Params
+from ipcli.stages.fusion.parameters import FuseDepth
 
 
 @click.command("fuse-depth")
@@ -20,9 +20,9 @@ from ipcli.stages.fusion.fuse_depth import Params
     required=True,
     help="Fused map to write, such as X.fused.h5; a folder with --all.",
 )
-@options.parameters(Params)
+@options.parameters(FuseDepth)
 @options.common
-def main(views: Path, output: Path, params: Params, run: Run) -> None:
+def main(views: Path, output: Path, params: FuseDepth, run: Run) -> None:
     """Fuse the depth maps of VIEWS into one depth map of a reference view, with its confidence.
 
     VIEWS is a views artefact, a dense COLMAP workspace, a TUM, Open3D/ICL-NUIM or 7-Scenes recording, or a plain folder
@@ -33,7 +33,10 @@ def main(views: Path, output: Path, params: Params, run: Run) -> None:
     from ipcli.stages.fusion import fuse_depth
 
     with options.progress("fuse-depth", run) as tell:
-        outcomes = (fuse_depth.run_all if params.every else fuse_depth.run)(views, output, params, run, tell)
+        if params.every:
+            outcomes = fuse_depth.run_all(views, output, params, run, tell)
+        else:
+            outcomes = {output: fuse_depth.run(views, output, params, run, tell)}
     if run.json and params.every:
         options.conclude({"outputs": {str(path): outcome.value for path, outcome in outcomes.items()}}, run)
     else:

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.fusion.import_views import Params
+from ipcli.stages.fusion.parameters import ImportViews
 
 
 @click.command("import-views")
@@ -20,9 +20,9 @@ from ipcli.stages.fusion.import_views import Params
     required=True,
     help="The views artefact to write, such as X.views.h5.",
 )
-@options.parameters(Params)
+@options.parameters(ImportViews)
 @options.common
-def main(source: Path, output: Path, params: Params, run: Run) -> None:
+def main(source: Path, output: Path, params: ImportViews, run: Run) -> None:
     """Turn SOURCE into one views artefact.
 
     SOURCE is a dense COLMAP workspace, a TUM, Open3D/ICL-NUIM or 7-Scenes recording, a plain folder (depth/, poses.txt,

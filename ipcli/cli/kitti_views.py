@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.fusion.kitti_views import Params
+from ipcli.stages.fusion.parameters import KittiViews
 
 
 @click.command("kitti-views")
@@ -20,9 +20,9 @@ from ipcli.stages.fusion.kitti_views import Params
     help="NPZ of all scenes, or text of 12 numbers a frame, or a folder of these.",
 )
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder for SCENE.views.h5.")
-@options.parameters(Params)
+@options.parameters(KittiViews)
 @options.common
-def main(folder: Path, poses: Path, output: Path, params: Params, run: Run) -> None:
+def main(folder: Path, poses: Path, output: Path, params: KittiViews, run: Run) -> None:
     """Match the stereo pairs of scenes in FOLDER (KITTI stereo 2012).
 
     Writes the depth maps of both cameras with their poses, one views artefact a scene. Scenes that are there already

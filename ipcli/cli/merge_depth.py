@@ -8,15 +8,15 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.fusion.merge_depth import Params
+from ipcli.stages.fusion.parameters import MergeDepth
 
 
 @click.command("merge-depth")
 @click.argument("files", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Cloud to write, such as X.ply.")
-@options.parameters(Params)
+@options.parameters(MergeDepth)
 @options.common
-def main(files: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
+def main(files: tuple[Path, ...], output: Path, params: MergeDepth, run: Run) -> None:
     """Join fused depth maps (FILES, of `fuse-depth --all`) into one coloured cloud of what enough of them agree on.
 
     Written are the cloud (.ply), the artefact that vouches for it (.h5) and a page to open (.html).

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.fusion.render_views import Params
+from ipcli.stages.fusion.parameters import RenderViews
 
 
 @click.command("render-views")
@@ -20,9 +20,9 @@ from ipcli.stages.fusion.render_views import Params
     required=True,
     help="The views artefact to write, such as X.views.h5.",
 )
-@options.parameters(Params)
+@options.parameters(RenderViews)
 @options.common
-def main(mesh: Path, output: Path, params: Params, run: Run) -> None:
+def main(mesh: Path, output: Path, params: RenderViews, run: Run) -> None:
     """Render depth maps of MESH (PLY or OBJ) along a camera path, with noise if wanted; the true depth stays
     with them.
     """

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.fusion.tune_fusion import Params
+from ipcli.stages.fusion.parameters import TuneFusion
 
 
 @click.command("tune-fusion")
@@ -16,9 +16,9 @@ from ipcli.stages.fusion.tune_fusion import Params
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), required=True, help="Artefact to write, such as X.tuning.h5."
 )
-@options.parameters(Params)
+@options.parameters(TuneFusion)
 @options.common
-def main(files: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
+def main(files: tuple[Path, ...], output: Path, params: TuneFusion, run: Run) -> None:
     """Fuse each scene of VIEWS, whose truth is known, by several methods at several lambdas.
 
     Says which lambda is best for each method on average over the scenes, and how close the automatic one comes. Beside

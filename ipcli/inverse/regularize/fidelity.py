@@ -6,11 +6,26 @@ All arrays are float32 and C-contiguous. A new data term is a class with the met
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+
+from ipcli import threads
+from ipcli.kernels import fidelity as kernels
+from ipcli.kernels import iteration
+
+Step = float | np.floating
+
+
+class ImageSequence(Protocol):
+    """K images (h, w) by number, each made when it is asked for; an array (K, h, w) is one too."""
+
+    def __len__(self) -> int:
+        """K."""
+
+    def __getitem__(self, k: int, /) -> np.ndarray:
+        """Image k (h, w)."""
 
 
 class Fidelity(Protocol):
@@ -19,7 +34,7 @@ class Fidelity(Protocol):
     def rows(self, top: int, bottom: int) -> Fidelity:
         """The same data term on these rows of the image."""
 
-    def prox(self, x: np.ndarray, x_bar: np.ndarray, y: np.ndarray, tau: float, rho: float) -> None:
+    def prox(self, x: np.ndarray, x_bar: np.ndarray, y: np.ndarray, tau: Step, rho: Step) -> None:
         """With z = prox_{tau f}(y): x_bar <- 2 z - x, then x <- x + rho (z - x), in place."""
 
     def l1_terms(self) -> tuple[np.ndarray, np.ndarray | None, np.ndarray, np.ndarray] | None:
@@ -46,16 +61,13 @@ class Observations:
     count: np.ndarray  # (h, w) number of observations
 
     @classmethod
-    def of(cls, layers: Sequence[np.ndarray], weights: Sequence[np.ndarray] | None = None) -> Observations:
+    def of(cls, layers: ImageSequence, weights: ImageSequence | None = None) -> Observations:
         """Sort K layers (h, w), NaN or inf where there is no observation; K weights (h, w) >= 0, where 0 means none
         too.
 
         The layers are asked for one by one, so that they need not all be in memory beside the stack.
         """
-        from ipcli import threads
-        from ipcli.kernels import fidelity as kernels
-
-        stack, sorted_weights = stacked(layers), None if weights is None else stacked(weights)
+        stack, sorted_weights = as_stack(layers), None if weights is None else as_stack(weights)
 
         def sort(rows: slice) -> np.ndarray:
             if sorted_weights is None:
@@ -73,7 +85,7 @@ class Observations:
         weights = None if self.weights is None else self.weights[top:bottom]
         return Observations(self.stack[top:bottom], weights, self.total[top:bottom], self.count[top:bottom])
 
-    def weighed(self, weights: np.ndarray) -> Observations:
+    def reweighted(self, weights: np.ndarray) -> Observations:
         """The same observations with their weights times these (h, K, w) float32, in the order of the stack, 0 where
         there is none.
         """
@@ -119,13 +131,13 @@ class Observations:
             return total / self.total
 
 
-def stacked(layers: Sequence[np.ndarray]) -> np.ndarray:
-    """K layers (h, w) as a stack (h, K, w) float32."""
-    stack = None
-    for k in range(len(layers)):
-        layer = layers[k]
-        stack = np.empty((layer.shape[0], len(layers), layer.shape[1]), np.float32) if stack is None else stack
-        stack[:, k] = layer
+def as_stack(layers: ImageSequence) -> np.ndarray:
+    """Copy K layers (h, w) into a stack (h, K, w) float32."""
+    layer = layers[0]
+    stack = np.empty((layer.shape[0], len(layers), layer.shape[1]), np.float32)
+    stack[:, 0] = layer
+    for k in range(1, len(layers)):
+        stack[:, k] = layers[k]
     return stack
 
 
@@ -146,12 +158,10 @@ class AbsoluteDeviations:
         return AbsoluteDeviations(self.data.rows(top, bottom), self.scale[top:bottom], self.width)
 
     def prox(self, x, x_bar, y, tau, rho):
-        from ipcli.kernels import fidelity, iteration
-
         d, tau, rho = self.data, np.float32(tau), np.float32(rho)
         if self.width:
             width = np.float32(self.width)
-            fidelity.prox_huber(x, x_bar, y, d.stack, d.weights, d.total, d.count, self.scale, width, tau, rho)
+            kernels.prox_huber(x, x_bar, y, d.stack, d.weights, d.total, d.count, self.scale, width, tau, rho)
         else:
             iteration.prox_l1(x, x_bar, y, d.stack, d.weights, d.total, self.scale, tau, rho)
 
@@ -161,16 +171,12 @@ class AbsoluteDeviations:
 
     def deviation(self, x: np.ndarray) -> np.ndarray:
         """sum_k w_k huber(x - d_k), (h, w): the data term without its scale."""
-        from ipcli.kernels import fidelity as kernels
-
         return kernels.deviation(x, self.data.stack, self.data.weights, np.float32(self.width))
 
     def energy(self, x):
         return (self.scale * self.deviation(x)).sum(axis=1, dtype=np.float64)
 
     def lowest(self, tilt, low, high, x):
-        from ipcli.kernels import fidelity as kernels
-
         d = self.data
         if self.width:
             width = np.float32(self.width)
@@ -201,8 +207,6 @@ class SquaredDeviations:
         return SquaredDeviations(*(plane[top:bottom] for plane in (self.mean, self.total, self.spread, self.scale)))
 
     def prox(self, x, x_bar, y, tau, rho):
-        from ipcli.kernels import fidelity as kernels
-
         kernels.prox_l2(x, x_bar, y, self.mean, self.total, self.scale, np.float32(tau), np.float32(rho))
 
     def l1_terms(self):

@@ -19,15 +19,27 @@ from itertools import pairwise
 
 import numpy as np
 
+from ipcli import threads
 from ipcli.inverse.regularize.fidelity import Fidelity
 from ipcli.inverse.regularize.operators import NORM
 from ipcli.inverse.regularize.parameters import Regulariser, Solver
+from ipcli.kernels import iteration
+from ipcli.kernels import tgv as kernels
 
 SLOPE_MARGIN = 1.5
 NEIGHBOURHOOD = 31  # pixels
 BALANCE = 150.0  # step ratio times spread that does best, within a factor of two, on indoor, stereo and generated depth
 TOGETHER = 16  # iterations that a block of rows does by itself, with as many rows of its neighbours
 AT_ONCE = 8  # of them, in one pass over the rows: few enough that the rows in between stay in the cache
+
+
+@dataclass(frozen=True, eq=False)
+class PixelwiseRegulariser:
+    """A regulariser whose first-order term has a weight of its own in each pixel."""
+
+    order: int  # 2: TGV, 1: TV
+    alpha1: np.ndarray  # (h, w) float32
+    alpha0: float
 
 
 @dataclass(eq=False)
@@ -52,25 +64,28 @@ class Iterate:
         return replace(solver, primal_weight=BALANCE / (float(high - low) or 1.0))
 
     def advance(
-        self, fidelity: Fidelity, regulariser: Regulariser, solver: Solver, relaxations: Sequence[float]
+        self,
+        fidelity: Fidelity,
+        regulariser: Regulariser | PixelwiseRegulariser,
+        solver: Solver,
+        relaxations: Sequence[float],
     ) -> None:
-        """One iteration for each of the relaxations, in place.
+        """Do one iteration for each of the relaxations, in place.
 
         What a row becomes depends, an iteration later, on its two neighbours. A block of rows that starts with n more
         rows on each side can therefore do n iterations alone before it needs its neighbours' rows again; the result is
         the same, bit by bit, for any number of blocks.
         """
-        from ipcli import threads
-
         solver = self.balanced(solver)
-        regulariser = replace(regulariser, alpha1=plane(regulariser.alpha1, self.x.shape))
+        weights = plane(regulariser.alpha1, self.x.shape)
+        pixelwise = PixelwiseRegulariser(regulariser.order, weights, regulariser.alpha0)
         bounds = threads.blocks(self.x.shape[0], least=2 * TOGETHER)
         blocks = threads.each(
             lambda rows: _Block(self, fidelity, *rows, halo=TOGETHER if len(bounds) > 1 else 0), bounds
         )
         for start in range(0, len(relaxations), TOGETHER):
             together = relaxations[start : start + TOGETHER]
-            threads.each(partial(_Block.iterate, regulariser=regulariser, solver=solver, relaxations=together), blocks)
+            threads.each(partial(_Block.iterate, regulariser=pixelwise, solver=solver, relaxations=together), blocks)
             for above, below in pairwise(blocks):
                 above.meet(below)
         threads.each(lambda block: block.return_to(self), blocks)
@@ -80,15 +95,15 @@ class Iterate:
         """All of it as views (c, h, w)."""
         return self.x[None], self.v, self.p, self.q
 
-    def energy(self, fidelity: Fidelity, regulariser: Regulariser) -> float:
+    def energy(self, fidelity: Fidelity, regulariser: Regulariser | PixelwiseRegulariser) -> float:
         """f(x) + alpha1 |grad x - v| + alpha0 |E v| at the present slopes: an upper bound of f(x) + TGV(x)."""
         data = _by_rows(lambda top, bottom: fidelity.rows(top, bottom).energy(self.x[top:bottom]), self.x)
         return data + value(self.x, self.v, regulariser)
 
-    def bound(self, fidelity: Fidelity, regulariser: Regulariser, low: float, high: float) -> float:
+    def bound(
+        self, fidelity: Fidelity, regulariser: Regulariser | PixelwiseRegulariser, low: float, high: float
+    ) -> float:
         """A lower bound of the minimal energy over images in [low, high]; p and q must be feasible."""
-        from ipcli.kernels import tgv as kernels
-
         tilt = np.empty_like(self.x)
         residual = float(kernels.dual_residual_rows(tilt, self.p, self.q, steepest_slopes(self.v)).sum())
         data = _by_rows(
@@ -110,12 +125,8 @@ class _Block:
         self.fidelity = fidelity.rows(self.first, last) if halo else fidelity
         self.y, self.x_bar, self.v_bar = np.empty_like(x[0]), np.empty_like(x[0]), np.empty_like(duals[0])
 
-    def iterate(self, regulariser: Regulariser, solver: Solver, relaxations: Sequence[float]) -> None:
-        """One iteration for each of the relaxations, at the steps tau = 1 / (|K| weight) and sigma = weight / |K|;
-        alpha1 (h, w).
-        """
-        from ipcli.kernels import iteration as kernels
-
+    def iterate(self, regulariser: PixelwiseRegulariser, solver: Solver, relaxations: Sequence[float]) -> None:
+        """Do an iteration for each of the relaxations, at the steps tau = 1 / (|K| weight) and sigma = weight / |K|."""
         tau, sigma = np.float32(0.99 / (NORM * solver.primal_weight)), np.float32(0.99 * solver.primal_weight / NORM)
         tau_v = tau if regulariser.order == 2 else np.float32(0)  # order 1: v never leaves zero
         x, v, p, q = self.part.x, self.part.v, self.part.p, self.part.q
@@ -124,12 +135,12 @@ class _Block:
         if l1 is not None:
             for start in range(0, len(relaxations), AT_ONCE):
                 rhos = np.array(relaxations[start : start + AT_ONCE], np.float32)
-                kernels.sweep_l1(x, v, p, q, *l1, (tau, tau_v, sigma), alpha1, alpha0, rhos)
+                iteration.sweep_l1(x, v, p, q, *l1, (tau, tau_v, sigma), alpha1, alpha0, rhos)
             return
         for rho in map(np.float32, relaxations):
-            kernels.primal_descent(self.y, v, self.v_bar, x, p, q, tau, tau_v, rho)
+            iteration.primal_descent(self.y, v, self.v_bar, x, p, q, tau, tau_v, rho)
             self.fidelity.prox(x, self.x_bar, self.y, tau, rho)
-            kernels.dual_ascent(p, q, self.x_bar, self.v_bar, sigma, alpha1, alpha0, rho)
+            iteration.dual_ascent(p, q, self.x_bar, self.v_bar, sigma, alpha1, alpha0, rho)
 
     def meet(self, below: _Block) -> None:
         """Renew the rows that this block and the one below it keep of each other."""
@@ -154,15 +165,11 @@ def plane(alpha1: float | np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 def _by_rows(sums: Callable[[int, int], np.ndarray], image: np.ndarray) -> float:
     """The sum of a quantity that sums(top, bottom) gives row by row."""
-    from ipcli import threads
-
     return float(np.concatenate(threads.each(lambda rows: sums(*rows), threads.blocks(image.shape[0]))).sum())
 
 
-def value(x: np.ndarray, v: np.ndarray, regulariser: Regulariser) -> float:
+def value(x: np.ndarray, v: np.ndarray, regulariser: Regulariser | PixelwiseRegulariser) -> float:
     """alpha1 |grad x - v| + alpha0 |E v| for an image (h, w) and a slope field (2, h, w), float32."""
-    from ipcli.kernels import tgv as kernels
-
     return float(kernels.value_rows(x, v, plane(regulariser.alpha1, x.shape), regulariser.alpha0).sum())
 
 
@@ -177,8 +184,8 @@ def steepest_slopes(v: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Look:
-    """What a look at the iteration found."""
+class GapCheck:
+    """The energy and the primal-dual gap of an iterate, taken every `Solver.check` iterations."""
 
     iteration: int
     energy: float
@@ -187,29 +194,29 @@ class Look:
 
 def minimise(
     fidelity: Fidelity,
-    regulariser: Regulariser,
+    regulariser: Regulariser | PixelwiseRegulariser,
     iterate: Iterate,
     bounds: tuple[float, float],
     solver: Solver,
     *,
     ceiling: float = np.inf,
-    watch: Callable[[Look], None] = lambda look: None,
-) -> list[Look]:
-    """Move the iterate to a minimiser of fidelity + regulariser, in place, and return the looks taken at it, the last
-    one last.
+    watch: Callable[[GapCheck], None] = lambda check: None,
+) -> list[GapCheck]:
+    """Move the iterate to a minimiser of fidelity + regulariser, in place, and return the checks of its gap in order.
 
     Stops when the restricted gap is at most `solver.tolerance` and the energy at most `ceiling`, or after
     `solver.iterations`. `bounds` are the least and greatest value the minimiser can take.
     """
-    looks, solver = [], iterate.balanced(solver)
-    while not looks or looks[-1].iteration < solver.iterations:
-        done = looks[-1].iteration if looks else 0
+    checks: list[GapCheck] = []
+    solver, smallest = iterate.balanced(solver), float(np.finfo(np.float32).tiny)
+    while not checks or checks[-1].iteration < solver.iterations:
+        done = checks[-1].iteration if checks else 0
         # The last step is a plain one: it ends at feasible duals.
         iterate.advance(fidelity, regulariser, solver, [solver.relaxation] * (solver.check - 1) + [1.0])
         energy = iterate.energy(fidelity, regulariser)
-        gap = (energy - iterate.bound(fidelity, regulariser, *bounds)) / max(energy, np.finfo(np.float32).tiny)
-        looks.append(Look(done + solver.check, energy, gap))
-        watch(looks[-1])
+        gap = (energy - iterate.bound(fidelity, regulariser, *bounds)) / max(energy, smallest)
+        checks.append(GapCheck(done + solver.check, energy, gap))
+        watch(checks[-1])
         if gap <= solver.tolerance and energy <= ceiling:
             break
-    return looks
+    return checks

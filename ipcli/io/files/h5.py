@@ -50,7 +50,7 @@ class Dataset:
 
 
 @dataclass(frozen=True)
-class Header:
+class ArtefactHeader:
     """All of a file but the numbers."""
 
     kind: str
@@ -119,7 +119,7 @@ def _attribute(holder: Any, name: str) -> Any:
 def _checksum(array: np.ndarray) -> int:
     if array.dtype.kind == "U":
         return zlib.crc32("".join(text + "\0" for text in array.flat).encode("utf-8"))
-    return zlib.crc32(np.ascontiguousarray(array))
+    return zlib.crc32(np.ascontiguousarray(array).data)
 
 
 def read(path: Path, kind_name: str, only: Callable[[str], bool] | None = None) -> Artefact:
@@ -139,14 +139,14 @@ def read(path: Path, kind_name: str, only: Callable[[str], bool] | None = None) 
         return Artefact(kind.name, kind.version, arrays, _provenance(path, file))
 
 
-def peek(path: Path) -> Header:
+def peek(path: Path) -> ArtefactHeader:
     """What `path` holds, without reading the data. Raises FormatError as `read` does."""
     with _opened(path) as file:
         kind = _identified(path, file)
         present = _names(file)
         schema.check_names(kind, present)
         datasets = {name: _described(path, file, name, kind.field(name)[0]) for name in present}
-        return Header(kind.name, kind.version, datasets, _provenance(path, file))
+        return ArtefactHeader(kind.name, kind.version, datasets, _provenance(path, file))
 
 
 def names(path: Path) -> tuple[str, ...]:

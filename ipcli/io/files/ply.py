@@ -55,7 +55,7 @@ class Ply:
 
 
 @dataclass(frozen=True)
-class Header:
+class PlyHeader:
     """What the header declares: per element its count and `(property, type code)`; a list has the pair of its types."""
 
     format: str
@@ -87,7 +87,7 @@ def write(
     for name, values in (extra or {}).items():
         columns[_new_name(path, name, columns)] = np.asarray(values)
     table = _table(path, columns, len(vertices))
-    triangles = None if faces is None else _packed(path, np.asarray(faces), len(vertices))
+    triangles = None if faces is None else _pack_faces(path, np.asarray(faces), len(vertices))
     header = _header_text(path, table, triangles, comments)
     atomic.write_bytes(path, header + table.tobytes() + (b"" if triangles is None else triangles.tobytes()))
 
@@ -114,7 +114,7 @@ def _table(path: Path, columns: Mapping[str, np.ndarray], count: int) -> np.ndar
     return table
 
 
-def _packed(path: Path, faces: np.ndarray, count: int) -> np.ndarray:
+def _pack_faces(path: Path, faces: np.ndarray, count: int) -> np.ndarray:
     if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
         raise IpcliError(f"{path}: faces: expected (m, 3) integers, got {faces.dtype} of shape {faces.shape}")
     if faces.size and (faces.min() < 0 or faces.max() >= count):
@@ -128,7 +128,7 @@ def _header_text(path: Path, table: np.ndarray, triangles: np.ndarray | None, co
     lines = ["ply", "format binary_little_endian 1.0", *(f"comment {text}" for text in comments)]
     lines += [
         f"element vertex {len(table)}",
-        *(f"property {NAMES[table.dtype[name]]} {name}" for name in table.dtype.names),
+        *(f"property {NAMES[table.dtype[name]]} {name}" for name in table.dtype.names or ()),
     ]
     if triangles is not None:
         lines += [f"element face {len(triangles)}", "property list uchar int vertex_indices"]
@@ -137,7 +137,7 @@ def _header_text(path: Path, table: np.ndarray, triangles: np.ndarray | None, co
     return "\n".join(lines).encode() + b"\n" + END
 
 
-def header(path: Path) -> Header:
+def header(path: Path) -> PlyHeader:
     """What the file declares, its data not read. Raises FormatError."""
     return _header(path, _bytes(path))
 
@@ -158,7 +158,7 @@ def read(path: Path) -> Ply:
         tables = _ascii(path, data, declared) if declared.format == "ascii" else _binary(path, data, declared)
     except (ValueError, OverflowError, MemoryError) as error:
         raise FormatError(path, f"data do not fit the header: {error}") from error
-    return _assembled(path, tables["vertex"], tables.get("face"), vertex_count, declared.comments)
+    return _assemble(path, tables["vertex"], tables.get("face"), vertex_count, declared.comments)
 
 
 def _bytes(path: Path) -> bytes:
@@ -168,7 +168,7 @@ def _bytes(path: Path) -> bytes:
         raise FormatError(path, f"cannot be read: {error.strerror}") from error
 
 
-def _header(path: Path, data: bytes) -> Header:
+def _header(path: Path, data: bytes) -> PlyHeader:
     end = data.find(END)
     if not data.startswith(b"ply\n") or end < 0:
         raise FormatError(path, "not a PLY file, or its header is cut", expected="ply ... end_header", got=data[:12])
@@ -181,8 +181,8 @@ def _header(path: Path, data: bytes) -> Header:
                 form = name
             case ["comment", *text]:
                 comments.append(" ".join(text))
-            case ["element", "vertex" | "face" as current, count] if count.isdecimal() and current not in elements:
-                elements[current] = (int(count), ())
+            case ["element", "vertex" | "face" as current, number] if number.isdecimal() and current not in elements:
+                elements[current] = (int(number), ())
             case ["property", *kinds, name] if current and (code := _type_code(kinds, current)):
                 count, properties = elements[current]
                 elements[current] = (count, (*properties, (name, code)))
@@ -194,7 +194,7 @@ def _header(path: Path, data: bytes) -> Header:
                 )
     if not form:
         raise FormatError(path, "the header names no format", expected=" or ".join(FORMATS))
-    return Header(form, elements, tuple(comments), end + len(END))
+    return PlyHeader(form, elements, tuple(comments), end + len(END))
 
 
 def _type_code(kinds: Sequence[str], element: str) -> Any:
@@ -208,7 +208,7 @@ def _type_code(kinds: Sequence[str], element: str) -> Any:
     return codes if is_list else codes[0]
 
 
-def _dtypes(path: Path, declared: Header) -> dict[str, np.dtype]:
+def _dtypes(path: Path, declared: PlyHeader) -> dict[str, np.dtype]:
     """Record types of the elements in order of the file; a face is one list of three."""
     dtypes = {}
     for element, (_, properties) in declared.elements.items():
@@ -224,7 +224,7 @@ def _dtypes(path: Path, declared: Header) -> dict[str, np.dtype]:
     return dtypes
 
 
-def _binary(path: Path, data: bytes, declared: Header) -> dict[str, np.ndarray]:
+def _binary(path: Path, data: bytes, declared: PlyHeader) -> dict[str, np.ndarray]:
     dtypes = _dtypes(path, declared)
     expected = declared.size + sum(declared.elements[element][0] * dtype.itemsize for element, dtype in dtypes.items())
     if len(data) != expected:
@@ -238,7 +238,7 @@ def _binary(path: Path, data: bytes, declared: Header) -> dict[str, np.ndarray]:
     return tables
 
 
-def _ascii(path: Path, data: bytes, declared: Header) -> dict[str, np.ndarray]:
+def _ascii(path: Path, data: bytes, declared: PlyHeader) -> dict[str, np.ndarray]:
     dtypes = _dtypes(path, declared)
     lines = [line for line in data[declared.size :].decode("latin-1").splitlines() if line.strip()]
     expected = sum(declared.elements[element][0] for element in dtypes)
@@ -256,14 +256,14 @@ def _ascii(path: Path, data: bytes, declared: Header) -> dict[str, np.ndarray]:
 
 
 def _flat_codes(dtype: np.dtype) -> list[np.dtype]:
-    parts = [dtype[name] for name in dtype.names]
+    parts = [dtype[name] for name in dtype.names or ()]
     return [part.base for part in parts for _ in range(int(np.prod(part.shape)))]
 
 
-def _assembled(
+def _assemble(
     path: Path, table: np.ndarray, triangles: np.ndarray | None, count: int, comments: tuple[str, ...]
 ) -> Ply:
-    names = table.dtype.names
+    names = table.dtype.names or ()
     faces = None
     if triangles is not None:
         faces = np.ascontiguousarray(triangles["corners"])
@@ -272,13 +272,11 @@ def _assembled(
         if faces.size and (faces.min() < 0 or faces.max() >= count):
             raise FormatError(path, "faces of missing vertices", expected=f"indices below {count}", got=faces.max())
         faces = faces.astype(np.int32)
-    groups = {
-        group: _stacked(table, group) if set(group) <= set(names) else None for group in (POSITION, NORMAL, COLOUR)
-    }
-    used = {name for group, values in groups.items() if values is not None for name in group}
+    groups = {group: _stack_columns(table, group) for group in (POSITION, NORMAL, COLOUR) if set(group) <= set(names)}
+    used = {name for group in groups for name in group}
     extra = {name: np.ascontiguousarray(table[name]) for name in names if name not in used}
-    return Ply(groups[POSITION], faces, groups[NORMAL], groups[COLOUR], extra, comments)
+    return Ply(groups[POSITION], faces, groups.get(NORMAL), groups.get(COLOUR), extra, comments)
 
 
-def _stacked(table: np.ndarray, group: Sequence[str]) -> np.ndarray:
+def _stack_columns(table: np.ndarray, group: Sequence[str]) -> np.ndarray:
     return np.stack([table[name] for name in group], axis=1)

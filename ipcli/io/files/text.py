@@ -117,7 +117,7 @@ def read_trajectory_log(path: Path) -> dict[int, np.ndarray]:
     return poses
 
 
-def camera_matrix(values: Sequence[float]) -> np.ndarray:
+def camera_matrix(values: Sequence[float] | np.ndarray) -> np.ndarray:
     """(3, 3) from (fx, fy, cx, cy) or from the nine entries row by row; ParameterError for any other count."""
     if len(values) == 9:
         return np.array(values, dtype=np.float64).reshape(3, 3)

@@ -1,10 +1,11 @@
 """Triangle meshes of any origin, PLY or OBJ: what others wrote, with lost counts and odd faces. Our own go through
-io.ply.
+io.files.ply.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ def read(path: Path) -> tuple[np.ndarray, np.ndarray]:
         raise FormatError(
             path, "not a mesh", expected=" or ".join(SUFFIXES), got=path.suffix or "no suffix", fix="Convert it"
         )
-    vertices, faces = _parsed(path)
+    vertices, faces = _parse(path)
     if not len(faces):
         raise FormatError(path, "holds no triangles", fix="Give a mesh, not a cloud of points")
     if not np.isfinite(vertices).all():
@@ -32,11 +33,11 @@ def read(path: Path) -> tuple[np.ndarray, np.ndarray]:
     return vertices, faces
 
 
-def _parsed(path: Path) -> tuple[np.ndarray, np.ndarray]:
+def _parse(path: Path) -> tuple[np.ndarray, np.ndarray]:
     import trimesh
 
     try:
-        mesh = trimesh.load(path, process=False, force="mesh", skip_materials=True)
+        mesh: Any = trimesh.load(path, process=False, force="mesh", skip_materials=True)
         vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
     except Exception as error:  # trimesh lets out whatever its parsers stumble over
         raise FormatError(

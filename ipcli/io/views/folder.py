@@ -17,6 +17,7 @@ import tomllib
 from collections.abc import Sequence as Ordered
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -56,7 +57,7 @@ def open_folder(
     intrinsics: Ordered[float] | None = None,
 ) -> Views:
     """The views of a plain folder (see the module). What is given here goes before views.toml."""
-    given = {
+    given: dict[str, Any] = {
         "unit": unit,
         "depth_scale": depth_scale,
         "pose": pose,

@@ -26,7 +26,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ipcli.inverse.regularize import tgv
-from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Anchored, Fidelity, SquaredDeviations
+from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Anchored, Fidelity, Observations, SquaredDeviations
 from ipcli.inverse.regularize.parameters import Regulariser, Solver
 
 START = 30.0  # the first round may be this much less exact than the last
@@ -44,31 +44,38 @@ class Problem:
 
     fidelity: AbsoluteDeviations | SquaredDeviations  # its scale, or its weights, are set anew from the confidence
     lam: float
-    regulariser: Regulariser
+    regulariser: Regulariser | tgv.PixelwiseRegulariser
     bounds: tuple[float, float]
     b: np.ndarray
     rate: np.ndarray
 
     @property
-    def of_each(self) -> bool:
+    def data(self) -> Observations:
+        """The observations one by one, which a data term of absolute deviations keeps."""
+        if not isinstance(self.fidelity, AbsoluteDeviations):
+            raise TypeError("squared deviations keep no single observations")
+        return self.fidelity.data
+
+    @property
+    def has_confidence_of_each(self) -> bool:
         """Whether each observation has a confidence of its own."""
         return self.b.ndim == 3
 
     @property
     def observed(self) -> np.ndarray:
         """Where there is something to be confident of: (h, w), or (h, K, w)."""
-        return np.isfinite(self.fidelity.data.stack) if self.of_each else self.fidelity.total > 0
+        return np.isfinite(self.data.stack) if self.has_confidence_of_each else self.fidelity.total > 0
 
     def at(self, confidence: np.ndarray) -> AbsoluteDeviations | SquaredDeviations:
         """The data term lambda L D of a given confidence, of pixels (h, w) or of observations (h, K, w)."""
         if confidence.ndim == 3:
             scale = np.full(confidence.shape[::2], self.lam, np.float32)
-            return AbsoluteDeviations(self.fidelity.data.weighed(confidence), scale)
+            return AbsoluteDeviations(self.data.reweighted(confidence), scale)
         return replace(self.fidelity, scale=(self.lam * confidence).astype(np.float32))
 
     def deviations(self, x: np.ndarray) -> np.ndarray:
         """D of an image (h, w): of each pixel, or of each observation."""
-        return self.fidelity.data.deviations(x) if self.of_each else self.fidelity.deviation(x)
+        return self.data.deviations(x) if self.has_confidence_of_each else self.fidelity.deviation(x)
 
     def best_confidence(self, x: np.ndarray) -> np.ndarray:
         """L of an image, eq. (4.14); 0 where nothing was observed."""
@@ -78,8 +85,10 @@ class Problem:
         """A confidence as one of pixels (h, w): the mean over their observations."""
         if confidence.ndim == 2:
             return confidence
-        data = self.fidelity.data
-        return (data.weighed(confidence).total / np.maximum(data.total, np.finfo(np.float32).tiny)).astype(np.float32)
+        data = self.data
+        return (data.reweighted(confidence).total / np.maximum(data.total, np.finfo(np.float32).tiny)).astype(
+            np.float32
+        )
 
     def merit(self, iterate: tgv.Iterate) -> float:
         """F at an iterate, with its own slopes in place of the best ones."""
@@ -88,18 +97,19 @@ class Problem:
 
     def with_prior(self, prior: np.ndarray) -> Problem:
         """The same under a prior confidence (h, w)."""
-        return replace(self, rate=self.rate / (prior[:, None] if self.of_each else prior))
+        return replace(self, rate=self.rate / (prior[:, None] if self.has_confidence_of_each else prior))
 
     def regularised_by(self, weights: np.ndarray) -> Problem:
         """The same with the first-order term weighted (h, w), times the weights that it has."""
-        return replace(self, regulariser=replace(self.regulariser, alpha1=self.regulariser.alpha1 * weights))
+        own = self.regulariser
+        return replace(self, regulariser=tgv.PixelwiseRegulariser(own.order, own.alpha1 * weights, own.alpha0))
 
     def for_each(self) -> Problem:
         """The same with a confidence for each observation in place of one for each pixel, whose prior they
         share out.
         """
-        count = np.maximum(self.fidelity.data.count, 1)
-        shape = self.fidelity.data.stack.shape
+        count = np.maximum(self.data.count, 1)
+        shape = self.data.stack.shape
         b, rate = (np.broadcast_to((prior / count)[:, None], shape) for prior in (self.b, self.rate))
         return replace(self, b=b, rate=rate)
 
@@ -112,14 +122,14 @@ class History:
 
     rows: list[tuple[float, float, float, float, float]] = field(default_factory=list)
 
-    def add(self, looks: list[tgv.Look], merit: float = np.nan) -> None:
-        """A round more."""
+    def add(self, checks: list[tgv.GapCheck], merit: float = np.nan) -> None:
+        """Append one round: its checks of the gap, and its final merit."""
         round, start = (self.rows[-1][0] + 1, self.rows[-1][1]) if self.rows else (0, 0)
-        self.rows += [(round, start + look.iteration, look.energy, look.gap, np.nan) for look in looks]
+        self.rows += [(round, start + check.iteration, check.energy, check.gap, np.nan) for check in checks]
         self.mark(merit)
 
     def mark(self, merit: float) -> None:
-        """The merit where the last round ended."""
+        """Put the merit in where the last round ended."""
         self.rows[-1] = (*self.rows[-1][:4], merit)
 
 
@@ -140,9 +150,9 @@ def alternate_convex_search(
     """
     merit = problem.merit(iterate)
     history.mark(merit)
-    for inner in tightened(solver, rounds):
+    for inner in solver_of_rounds(solver, rounds):
         before, merit = merit, _round(problem, problem.at(problem.best_confidence(iterate.x)), iterate, inner, history)
-        if inner.tolerance == solver.tolerance and settled(before - merit, problem, iterate):
+        if inner.tolerance == solver.tolerance and has_settled(before - merit, problem, iterate):
             break
 
 
@@ -158,7 +168,9 @@ def alternate_minimisation(
     nearest = 1.0 / max(float(problem.fidelity.total.max()), 1.0)
     confidence = problem.best_confidence(iterate.x)
     history.mark(problem.merit(iterate))
-    for inner, share in zip(tightened(solver, rounds), np.linspace(0, 1, rounds) if rounds > 1 else [1.0], strict=True):
+    for inner, share in zip(
+        solver_of_rounds(solver, rounds), np.linspace(0, 1, rounds) if rounds > 1 else [1.0], strict=True
+    ):
         reach = float(nearest ** (1 - share) * FAR**share)
         confidence = confidence_step(confidence, problem, iterate.x, reach)
         anchored = Anchored(problem.at(confidence), iterate.x.copy(), reach)
@@ -178,8 +190,8 @@ def biconvex_primal_dual(problem: Problem, iterate: tgv.Iterate, solver: Solver,
             confidence = confidence_step(confidence, problem, iterate.x, BICONVEX_STEP)
             iterate.advance(problem.at(confidence), problem.regulariser, solver, [1.0])
         quick = replace(solver, iterations=1, check=1)
-        looks = tgv.minimise(problem.at(confidence), problem.regulariser, iterate, problem.bounds, quick)
-        history.add([replace(looks[0], iteration=solver.check)], problem.merit(iterate))
+        checks = tgv.minimise(problem.at(confidence), problem.regulariser, iterate, problem.bounds, quick)
+        history.add([replace(checks[0], iteration=solver.check)], problem.merit(iterate))
 
 
 def confidence_step(confidence: np.ndarray, problem: Problem, x: np.ndarray, step: float) -> np.ndarray:
@@ -190,15 +202,15 @@ def confidence_step(confidence: np.ndarray, problem: Problem, x: np.ndarray, ste
     return np.where(problem.observed, root, 0).astype(np.float32)
 
 
-def tightened(solver: Solver, rounds: int) -> list[Solver]:
-    """The solver of each round after the first pass: no more exact than the confidence deserves yet, at the end as
-    asked.
+def solver_of_rounds(solver: Solver, rounds: int) -> list[Solver]:
+    """The solver of each round after the first pass: loose while the confidence is rough, at the end as exact as asked
+    for.
     """
     shares = [START / TIGHTEN ** (round + 1) for round in range(rounds - 1)] + [1.0]
     return [replace(solver, tolerance=max(share, 1.0) * solver.tolerance) for share in shares]
 
 
-def settled(gain: float, problem: Problem, iterate: tgv.Iterate) -> bool:
+def has_settled(gain: float, problem: Problem, iterate: tgv.Iterate) -> bool:
     """Whether a round that lowered the merit by `gain` was not worth another one."""
     return gain <= SETTLED * tgv.value(iterate.x, iterate.v, problem.regulariser)
 
@@ -210,11 +222,11 @@ def _round(problem: Problem, fidelity: Fidelity, iterate: tgv.Iterate, solver: S
     """
     ceiling = iterate.energy(fidelity, problem.regulariser)
     x, v = iterate.x.copy(), iterate.v.copy()
-    looks = tgv.minimise(fidelity, problem.regulariser, iterate, problem.bounds, solver, ceiling=ceiling)
-    if looks[-1].energy > ceiling:
+    checks = tgv.minimise(fidelity, problem.regulariser, iterate, problem.bounds, solver, ceiling=ceiling)
+    if checks[-1].energy > ceiling:
         iterate.x[:], iterate.v[:] = x, v
     merit = problem.merit(iterate)
-    history.add(looks, merit)
+    history.add(checks, merit)
     return merit
 
 

@@ -44,8 +44,8 @@ class Fused:
 
 
 @dataclass(frozen=True)
-class Scale:
-    """What a pass takes from the image as a whole."""
+class PassScale:
+    """The units of the noise and the weight of the data in one pass, measured on the whole image."""
 
     units: Units
     lam: float
@@ -58,7 +58,7 @@ def fuse(
     *,
     inverse: bool,
     progress: Progress = silent,
-    scales: Sequence[Scale] | None = None,
+    scales: Sequence[PassScale] | None = None,
 ) -> Fused:
     """Fuse the views, the reference among them if it is to count, in depth or in inverse depth.
 
@@ -70,27 +70,28 @@ def fuse(
     progress(0.0, "reprojecting")
     forward = reproject_all(views, reference)
     passes = passes_after_first(fusion)
-    scales = scales or [None] * (passes + 1)
+    known: Sequence[PassScale | None] = scales or [None] * (passes + 1)
     progress(0.2, "fusing")
-    last = fuse_layers(forward, reference, first_pass(fusion) if passes else fusion, inverse=inverse, scale=scales[0])
+    last = fuse_layers(forward, reference, first_pass(fusion) if passes else fusion, inverse=inverse, scale=known[0])
     mean, median = (last.units.depth(image) for image in (last.data.mean(), last.data.median()))
     for done in range(1, passes + 1):
         progress(0.2 + 0.7 * done / (passes + 1), "fusing again, by the map so far")
-        before, last = last.ended, None  # whose observations need not be in memory beside the next ones
+        before = last.end
+        del last  # its observations need not be in memory beside the next ones
         layers = reassociate(before.depth, views, reference, forward, before.units, in_place=done == passes)
         settings = fusion if done == passes else first_pass(fusion)
-        last = fuse_layers(layers, reference, settings, inverse=inverse, before=before, scale=scales[done])
-    layers = last.layers
-    layers[~np.isfinite(layers)] = np.nan
+        last = fuse_layers(layers, reference, settings, inverse=inverse, before=before, scale=known[done])
+    said = last.layers
+    said[~np.isfinite(said)] = np.nan
     return Fused(
-        depth=last.ended.depth,
+        depth=last.end.depth,
         confidence=last.problem.of_pixels(last.problem.best_confidence(last.x)),
         uncertainty=last.uncertainty(),
         normals=last.normals(reference.intrinsics, METHODS[fusion.method]),
         observations=last.data.count.astype(np.uint16),
         mean=mean,
         median=median,
-        layers=layers,
+        layers=said,
         lam=last.problem.lam,
         noise_scale=last.units.scale,
         history=np.array(last.history.rows, np.float64).reshape(-1, 5),
@@ -98,8 +99,8 @@ def fuse(
 
 
 @dataclass(frozen=True, eq=False)
-class Ended:
-    """Where a pass ended."""
+class PassEnd:
+    """The iterate at the end of a pass, without the observations."""
 
     iterate: tgv.Iterate  # in these units
     units: Units
@@ -117,7 +118,7 @@ class Ended:
 
 @dataclass(frozen=True, eq=False)
 class Pass:
-    """What a fusion of given layers came to."""
+    """The result of one fusion of given layers: data, problem, and the iterate that solves it."""
 
     layers: np.ndarray  # (K, h, w) float32, +inf = nothing
     units: Units
@@ -149,9 +150,9 @@ class Pass:
         return normals_of_slopes(depth, sign * v * self.units.slopes(self.x), intrinsics)
 
     @property
-    def ended(self) -> Ended:
+    def end(self) -> PassEnd:
         """Where it ended, without the observations."""
-        return Ended(self.iterate, self.units)
+        return PassEnd(self.iterate, self.units)
 
 
 def fuse_layers(
@@ -160,8 +161,8 @@ def fuse_layers(
     fusion: Fusion,
     *,
     inverse: bool,
-    before: Ended | None = None,
-    scale: Scale | None = None,
+    before: PassEnd | None = None,
+    scale: PassScale | None = None,
 ) -> Pass:
     """One fusion of observations that are where they belong, from where a pass before ended or from a coarse grid.
 
@@ -176,13 +177,13 @@ def fuse_layers(
         units = measure(layers.depth, weights, inverse=inverse)
     else:
         units = replace(scale.units, floor=floor(layers.depth, weights, inverse=inverse))
-    x = Normalised(units, layers.depth, weights)
+    x: Normalised | np.ndarray = Normalised(units, layers.depth, weights)
     data = Observations.of(x, weights)
     method = METHODS[fusion.method]
     lam = scale.lam if scale else balanced_lambda(data, method) if fusion.lam is None else fusion.lam
     if method.of_median:
         x = data.median()[None]
-    problem = pose(Observations.of(x) if method.of_median else data, lam, method, fusion)
+    problem = build_problem(Observations.of(x) if method.of_median else data, lam, method, fusion)
     history = History()
     if method.order == 0:
         iterate = tgv.Iterate.at(data.mean() if method.deviation == "squared" else data.median())
@@ -247,10 +248,11 @@ def balanced_lambda(data: Observations, method: Method) -> float:
     return length if method.of_median else 1 / length
 
 
-def pose(data: Observations, lam: float, method: Method, fusion: Fusion) -> Problem:
+def build_problem(data: Observations, lam: float, method: Method, fusion: Fusion) -> Problem:
     """Energy (4.3) of a method on sorted observations, the prior confidence even."""
     settings = fusion.confidence
     even = np.ones_like(data.total)
+    fidelity: AbsoluteDeviations | SquaredDeviations
     if method.deviation == "squared":
         fidelity = SquaredDeviations.of(data, even)
     else:

@@ -16,7 +16,7 @@ from ipcli import threads
 from ipcli.errors import NoSolution
 from ipcli.geometry.cameras import back_project, transform
 from ipcli.kernels import agreement
-from ipcli.models.fusion.cells import Cells, Points
+from ipcli.models.fusion.cells import Cells, SurfacePoints
 from ipcli.models.fusion.observations import MAD_TO_SIGMA, SMALLEST_NOISE
 from ipcli.models.fusion.parameters import Merge
 
@@ -70,7 +70,7 @@ class Glance:
 class Cloud:
     """The merged points in world coordinates, and for each map (points, confirmed, contradicted)."""
 
-    points: Points
+    points: SurfacePoints
     spacing: float
     cam_from_world: np.ndarray  # (m, 4, 4) of the maps
     counts: np.ndarray  # (m, 3) int64
@@ -99,10 +99,10 @@ def merge(maps: Sequence[FusedMap], settings: Merge) -> Cloud:
     spacing = settings.spacing or (float(np.median(sides)) if sides else 1.0)
     places, first = np.stack([glance.looks_at for glance in glances]), glances[0].cam_from_world
 
-    def found(i: int) -> tuple[Points, tuple[int, int, int]]:
+    def found(i: int) -> tuple[SurfacePoints, tuple[int, int, int]]:
         others = (maps[k] for k in neighbours(places, i, settings.neighbours))
         points, count = confirmed(maps[i], others, settings)
-        return points.moved(first @ np.linalg.inv(glances[i].cam_from_world)), count
+        return points.transform(first @ np.linalg.inv(glances[i].cam_from_world)), count
 
     cells, counts, at_once = Cells(spacing), [], threads.count()
     for start in range(0, len(maps), at_once):
@@ -115,7 +115,7 @@ def merge(maps: Sequence[FusedMap], settings: Merge) -> Cloud:
             f"{len(maps) - 1} other maps: check that the maps overlap, or lower --agree or raise --tolerance"
         )
     poses = np.stack([glance.cam_from_world for glance in glances])
-    return Cloud(cells.points().moved(np.linalg.inv(first)), spacing, poses, np.array(counts, np.int64))
+    return Cloud(cells.points().transform(np.linalg.inv(first)), spacing, poses, np.array(counts, np.int64))
 
 
 def neighbours(places: np.ndarray, index: int, most: int) -> list[int]:
@@ -127,7 +127,7 @@ def neighbours(places: np.ndarray, index: int, most: int) -> list[int]:
     return nearest[nearest != index][:most].tolist()
 
 
-def confirmed(own: FusedMap, others: Iterable[FusedMap], settings: Merge) -> tuple[Points, tuple[int, int, int]]:
+def confirmed(own: FusedMap, others: Iterable[FusedMap], settings: Merge) -> tuple[SurfacePoints, tuple[int, int, int]]:
     """The points of a map that enough others confirm, and no fewer than look through them, in its camera's frame; how
     many there were, are, and were contradicted.
     """
@@ -148,7 +148,7 @@ def confirmed(own: FusedMap, others: Iterable[FusedMap], settings: Merge) -> tup
     keep = known & (agreed >= settings.agree) & ~contradicted
     total = sums[keep]
     color = None if own.image is None else own.image[keep]
-    points = Points(
+    points = SurfacePoints(
         total[:, :3] / total[:, 3:4],
         own.normals[keep].astype(np.float64),
         color,

@@ -6,7 +6,6 @@ do; in units of the noise a scene in millimetres gives the same picture as the s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,7 +49,7 @@ class Units:
 
 
 @dataclass(frozen=True, eq=False)
-class Normalised(Sequence):
+class Normalised:
     """Depth layers (K, h, w), NaN or inf where there is none, in these units: one at a time, when it is asked for.
 
     With weights (K, h, w), there is none where the weight is 0.

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
 
+from ipcli.errors import ParameterError, nearest
 from ipcli.inverse.regularize.parameters import Regulariser, Solver
 from ipcli.params import option
 
@@ -36,6 +38,7 @@ METHODS = {
     "adapt-hprior": Method(2, "absolute", adaptive=True, normals=True),
     "adapt-hprior-g": Method(2, "absolute", adaptive=True, normals=True, edges=True),
 }
+ALGORITHMS = ("acs", "ama", "biconvex")  # of an adaptive confidence, by their names in `alternation`
 
 
 @dataclass(frozen=True)
@@ -76,9 +79,7 @@ class Fusion:
     """Energy (4.3) and the algorithm that lowers it."""
 
     method: str = option("l1-adapt", "row of table 4.1", flag="--method", choices=tuple(METHODS))
-    algorithm: str = option(
-        "acs", "how an adaptive confidence is found", flag="--algorithm", choices=("acs", "ama", "biconvex")
-    )
+    algorithm: str = option("acs", "how an adaptive confidence is found", flag="--algorithm", choices=ALGORITHMS)
     lam: float | None = option(
         None,
         "weight lambda of the data; more follows them, less smooths; if not given 1/sqrt(K), K views a pixel",
@@ -128,3 +129,49 @@ class Merge:
         low=0.0,
         unit="the unit",
     )
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A method of fusion, and how its confidence is found if it estimates one."""
+
+    method: str
+    algorithm: str | None
+
+    @property
+    def label(self) -> str:
+        """The name that fuse-depth gives to its result."""
+        return f"{self.method} ({self.algorithm})" if self.algorithm else self.method
+
+    @property
+    def is_regularised(self) -> bool:
+        """Whether there is a lambda to choose."""
+        return METHODS[self.method].order > 0
+
+    def settings(self, fusion: Fusion, lam: float | None) -> Fusion:
+        """The given settings with this method and lambda, None being the automatic one."""
+        return replace(fusion, method=self.method, algorithm=self.algorithm or Fusion.algorithm, lam=lam)
+
+
+def parse_variants(text: str) -> list[Variant]:
+    """The variants that `all`, `METHOD` or `METHOD:ALGORITHM` stands for; ParameterError for an unknown one."""
+    if text == "all":
+        return [
+            Variant(name, algorithm)
+            for name, method in METHODS.items()
+            for algorithm in (ALGORITHMS if method.adaptive else (None,))
+        ]
+    method, _, algorithm = text.partition(":")
+    if method not in METHODS:
+        raise ParameterError(f"unknown method '{method}'{nearest(method, METHODS)}")
+    if algorithm and (algorithm not in ALGORITHMS or not METHODS[method].adaptive):
+        takes = f"expected one of {', '.join(ALGORITHMS)}" if METHODS[method].adaptive else "it estimates no confidence"
+        raise ParameterError(f"{text}: no such algorithm of this method ({takes})")
+    return [Variant(method, algorithm or (Fusion.algorithm if METHODS[method].adaptive else None))]
+
+
+def select_variants(texts: Iterable[str], fusion: Fusion) -> list[Variant]:
+    """The variants of several texts, each once. ParameterError for settings that name a method or algorithm besides."""
+    if (fusion.method, fusion.algorithm) != (Fusion.method, Fusion.algorithm):
+        raise ParameterError("several methods are tried: name them by --methods, not by --method and --algorithm")
+    return list(dict.fromkeys(variant for text in texts for variant in parse_variants(text)))

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ipcli.inverse.regularize import tgv
-from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Observations
+from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, ImageSequence, Observations
 from ipcli.inverse.regularize.parameters import Regulariser, Solver
 from ipcli.models.fusion.observations import Normalised
 
@@ -16,7 +15,11 @@ SMALLEST = 24  # pixels along the shorter side of the coarsest level
 
 
 def start(
-    layers: np.ndarray | Normalised, lam: float, regulariser: Regulariser, solver: Solver, levels: int
+    layers: np.ndarray | Normalised,
+    lam: float,
+    regulariser: Regulariser | tgv.PixelwiseRegulariser,
+    solver: Solver,
+    levels: int,
 ) -> tgv.Iterate:
     """An iterate (h, w) near the minimiser of TGV + lambda sum_k |x - d_k| for layers (K, h, w), NaN = nothing.
 
@@ -28,8 +31,7 @@ def start(
     if levels == 1 or min(shape) < 2 * SMALLEST:
         return tgv.Iterate.at(filled_median(Observations.of(layers)))
     half = halved(layers)
-    alpha1 = _halved(regulariser.alpha1) if isinstance(regulariser.alpha1, np.ndarray) else regulariser.alpha1
-    regulariser_half = replace(regulariser, alpha1=alpha1, alpha0=regulariser.alpha0 / 2)
+    regulariser_half = _halved_regulariser(regulariser)
     coarse = start(half, 2 * lam, regulariser_half, solver, levels - 1)
     scale = np.full(half.shape[1:], 2 * lam, np.float32)
     fidelity = AbsoluteDeviations(Observations.of(half), scale)
@@ -43,7 +45,16 @@ def filled_median(data: Observations) -> np.ndarray:
     return np.where(data.count > 0, median, np.nanmedian(median)).astype(np.float32)
 
 
-def halved(layers: Sequence[np.ndarray]) -> np.ndarray:
+def _halved_regulariser(
+    regulariser: Regulariser | tgv.PixelwiseRegulariser,
+) -> Regulariser | tgv.PixelwiseRegulariser:
+    alpha0 = regulariser.alpha0 / 2
+    if isinstance(regulariser, tgv.PixelwiseRegulariser):
+        return replace(regulariser, alpha1=_halved(regulariser.alpha1), alpha0=alpha0)
+    return replace(regulariser, alpha0=alpha0)
+
+
+def halved(layers: ImageSequence) -> np.ndarray:
     """K layers (h, w) at half the size (K, h, w), the last odd row or column dropped: means of the up to four
     observations.
     """

@@ -17,7 +17,15 @@ import numpy as np
 from ipcli.errors import NoSolution
 from ipcli.inverse.regularize.fidelity import Observations
 from ipcli.measurements.views import View
-from ipcli.models.fusion.fuse import Fused, Scale, balanced_lambda, first_pass, fuse, fuse_layers, passes_after_first
+from ipcli.models.fusion.fuse import (
+    Fused,
+    PassScale,
+    balanced_lambda,
+    first_pass,
+    fuse,
+    fuse_layers,
+    passes_after_first,
+)
 from ipcli.models.fusion.observations import Normalised, measure
 from ipcli.models.fusion.parameters import METHODS, Fusion
 from ipcli.models.fusion.reassociation import reassociate
@@ -39,12 +47,16 @@ class Window:
     rows: slice
     columns: slice
 
-    def of(self, image: np.ndarray | None) -> np.ndarray | None:
-        """That part of an image."""
-        return None if image is None else image[self.rows, self.columns]
+    def of(self, image: np.ndarray) -> np.ndarray:
+        """That part of an image, as a view of it."""
+        return image[self.rows, self.columns]
+
+    def of_optional(self, image: np.ndarray | None) -> np.ndarray | None:
+        """That part of an image, None of none."""
+        return None if image is None else self.of(image)
 
     def wider(self, margin: int) -> Window:
-        """With a margin; it may reach over the end of the image, as slices do."""
+        """The rectangle with a margin; it may reach over the end of the image, as slices do."""
         return Window(*(slice(max(s.start - margin, 0), s.stop + margin) for s in (self.rows, self.columns)))
 
     def within(self, outer: Window) -> Window:
@@ -56,8 +68,14 @@ class Window:
         """The view that sees but this rectangle."""
         intrinsics = view.intrinsics.copy()
         intrinsics[:2] -= np.outer((self.columns.start, self.rows.start), intrinsics[2])
-        parts = {name: self.of(getattr(view, name)) for name in ("depth", "confidence", "image", "truth")}
-        return replace(view, intrinsics=intrinsics, **parts)
+        return replace(
+            view,
+            depth=self.of(view.depth),
+            intrinsics=intrinsics,
+            confidence=self.of_optional(view.confidence),
+            image=self.of_optional(view.image),
+            truth=self.of_optional(view.truth),
+        )
 
 
 def side_of_tiles(fusion: Fusion, shape: tuple[int, int], views: int) -> int:
@@ -108,7 +126,7 @@ def tiles(shape: tuple[int, int], side: int) -> list[Window]:
     return [Window(rows, columns) for rows, columns in product(*edges)]
 
 
-def empty(k: int, shape: tuple[int, int], scale: Scale) -> Fused:
+def empty(k: int, shape: tuple[int, int], scale: PassScale) -> Fused:
     """A map of which nothing is known yet."""
 
     def nothing() -> np.ndarray:
@@ -131,7 +149,7 @@ def empty(k: int, shape: tuple[int, int], scale: Scale) -> Fused:
     )
 
 
-def survey(views: Sequence[View], reference: View, fusion: Fusion, side: int, *, inverse: bool) -> list[Scale]:
+def survey(views: Sequence[View], reference: View, fusion: Fusion, side: int, *, inverse: bool) -> list[PassScale]:
     """The scale of each pass, from windows spread over the map, or from the first tile that sees anything if they do
     not.
     """
@@ -146,12 +164,13 @@ def survey(views: Sequence[View], reference: View, fusion: Fusion, side: int, *,
         raise NoSolution(
             "no view has a valid depth inside the reference view: check the poses, their direction and the unit"
         )
-    scales, now = [], [layers for _, layers in seen]
+    scales: list[PassScale] = []
+    now = [layers for _, layers in seen]
     for done in range(passes_after_first(fusion) + 1):
         if done:
             for i, (camera, forward) in enumerate(seen):
-                ended = fuse_layers(now[i], camera, first_pass(fusion), inverse=inverse, scale=scales[-1]).ended
-                now[i] = reassociate(ended.depth, views, camera, forward, ended.units)
+                end = fuse_layers(now[i], camera, first_pass(fusion), inverse=inverse, scale=scales[-1]).end
+                now[i] = reassociate(end.depth, views, camera, forward, end.units)
         scales.append(_scale(now, fusion, inverse))
     return scales
 
@@ -165,7 +184,7 @@ def _seen(views: Sequence[View], reference: View, windows: Sequence[Window]) -> 
             yield camera, layers
 
 
-def _scale(windows: Sequence[Layers], fusion: Fusion, inverse: bool) -> Scale:
+def _scale(windows: Sequence[Layers], fusion: Fusion, inverse: bool) -> PassScale:
     """Units and lambda of the observations of windows of one shape."""
     depth = np.concatenate([layers.depth for layers in windows], axis=1)
     weights = None
@@ -173,7 +192,7 @@ def _scale(windows: Sequence[Layers], fusion: Fusion, inverse: bool) -> Scale:
         weights = np.concatenate([layers.confidence for layers in windows], axis=1)
     units = measure(depth, weights, inverse=inverse)
     if fusion.lam is not None:
-        return Scale(units, fusion.lam)
-    return Scale(
+        return PassScale(units, fusion.lam)
+    return PassScale(
         units, balanced_lambda(Observations.of(Normalised(units, depth, weights), weights), METHODS[fusion.method])
     )

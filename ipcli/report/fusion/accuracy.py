@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ipcli.measurements.accuracy import sparsification_curve
 from ipcli.report.kit import curves, pictures
 from ipcli.report.kit.numbers import aligned, number, percent, with_unit
 from ipcli.report.kit.page import Markup, bar, element, figure, gallery, section, table
@@ -65,8 +66,8 @@ def _sparsification(confidence: np.ndarray, error: np.ndarray, unit: str) -> Mar
     error, confidence = error[known][::thinning], confidence[known][::thinning]
     if not error.size:
         return element("p", "No pixel has both a confidence and a truth.", class_="lead")
-    share, kept = sparsification(error, -confidence)
-    _, best = sparsification(error, error)
+    share, kept = sparsification_curve(error, -confidence)
+    _, best = sparsification_curve(error, error)
     lines = [
         curves.Series("by confidence", share, kept),
         curves.Series("by the error itself", share, best, dashed=True),
@@ -91,13 +92,6 @@ def _ause(arrays: Mapping[str, np.ndarray]) -> list[Markup]:
         f"(4.35): {angle}."
     )
     return [element("p", words, class_="lead")]
-
-
-def sparsification(error: np.ndarray, key: np.ndarray, points: int = 60) -> tuple[np.ndarray, np.ndarray]:
-    """Shares in % and the mean ``error`` (n,) of that share of pixels with the smallest ``key`` (n,), ties in order."""
-    ordered = error[np.argsort(key, kind="stable")].cumsum(dtype=np.float64)
-    counts = np.unique(np.linspace(min(len(error), max(1, len(error) // points)), len(error), points).astype(int))
-    return 100 * counts / len(error), ordered[counts - 1] / counts
 
 
 def metrics(a: Mapping[str, np.ndarray]) -> Markup:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -31,12 +32,12 @@ from ipcli.report.kit.provenance import origin
 PIXELS = 280_000  # of the largest pictures: they are shown at about 430 x 320, and noise does not compress
 THUMBNAIL_PIXELS = 250_000  # of all thumbnails together
 LITTLE_OVERLAP = 0.05  # share of the reference's pixels below which a view hardly takes part
-SMALL = {"width": 420, "height": 270}  # plots that stand three in a row
+SMALL = (420, 270)  # width and height of plots that stand three in a row
 
 
 @dataclass(frozen=True)
-class Look:
-    """The artefact, and what all pictures of it have in common."""
+class PicturedMap:
+    """A fused map as its page shows it: the arrays of the artefact, and what all its pictures have in common."""
 
     arrays: Mapping[str, np.ndarray]
     depth: Scale
@@ -53,23 +54,25 @@ class Look:
         return width / height
 
 
-def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = pictures.WIDEST) -> str:
+def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], *, widest: int = pictures.WIDEST) -> str:
     """The HTML page of a "fused-depth" artefact, the same bytes for the same artefact.
 
     ``arrays`` and ``provenance`` are those of the artefact; no picture is stored wider than ``widest`` pixels.
     """
     height, width = arrays["depth"].shape
     widest = min(widest, max(64, round((PIXELS * width / height) ** 0.5)))
-    look = Look(arrays, pictures.robust([arrays["depth"]], "turbo", text(arrays["unit"])), widest, _window(arrays))
-    parts = [*_notices(look), _maps(look), _surface(look), _detail(look)]
+    fused = PicturedMap(
+        arrays, pictures.robust([arrays["depth"]], "turbo", text(arrays["unit"])), widest, _window(arrays)
+    )
+    parts = [*_notices(fused), _maps(fused), _surface(fused), _detail(fused)]
     parts += [accuracy.metrics(arrays)] if "metrics" in arrays else []
-    parts += [accuracy.maps(arrays, look.unit, widest)] if "truth" in arrays else []
-    parts += [_views(look), _solver(look), _reading(look), origin(provenance)]
+    parts += [accuracy.maps(arrays, fused.unit, widest)] if "truth" in arrays else []
+    parts += [_views(fused), _solver(fused), _explanation(fused), origin(provenance)]
     reference = (provenance.get("params") or {}).get("reference")
     return document(
         f"Fused depth map of {reference}" if reference else "Fused depth map",
         "ipcli fuse-depth",
-        _verdict(look),
+        _verdict(fused),
         *parts,
     )
 
@@ -84,37 +87,37 @@ def scalar(array: np.ndarray) -> float:
     return float(np.asarray(array).item())
 
 
-def _verdict(look: Look) -> Markup:
-    a = look.arrays
+def _verdict(fused: PicturedMap) -> Markup:
+    a = fused.arrays
     (height, width), count = a["depth"].shape, len(a["views"])
     observed = np.count_nonzero(a["observations"]) / a["observations"].size
     views = f"{count} views" if count > 1 else "one view"
-    noise = {"depth": look.unit, "disparity": "px", "inverse depth": f"1/{look.unit}"}[text(a["domain"])]
+    noise = {"depth": fused.unit, "disparity": "px", "inverse depth": f"1/{fused.unit}"}[text(a["domain"])]
     words = (
         f"{width} × {height} pixels fused from {views} by {text(a['method'])} "
         f"on {text(a['domain'])}, λ = {number(scalar(a['lambda']))}. "
         f"Noise scale {with_unit(scalar(a['noise_scale']), noise)}; {percent(observed)} of the pixels observed."
     )
-    return join(words, *_gain(look))
+    return join(words, *_gain(fused))
 
 
-def _gain(look: Look) -> list[object]:
+def _gain(fused: PicturedMap) -> list[object]:
     """How far the fused map is from the truth, against the median of the same observations."""
-    if "truth" not in look.arrays:
+    if "truth" not in fused.arrays:
         return []
-    both = {name: accuracy.error(look.arrays, name) for name in ("median", "depth")}
+    both = {name: accuracy.error(fused.arrays, name) for name in ("median", "depth")}
     common = np.isfinite(both["median"]) & np.isfinite(both["depth"])
     if not common.any():
         return [" The truth shares no pixel with the map."]
-    median, fused = (float(both[name][common].mean()) for name in ("median", "depth"))
-    change = (fused - median) / median if median else 0.0
+    median, found = (float(both[name][common].mean()) for name in ("median", "depth"))
+    change = (found - median) / median if median else 0.0
     side = "below" if change <= 0 else "above"
-    words = f"mean error {with_unit(fused, look.unit)}, {number(abs(100 * change), 2)} % {side} the median's"
+    words = f"mean error {with_unit(found, fused.unit)}, {number(abs(100 * change), 2)} % {side} the median's"
     return [" Against the truth: ", element("strong", words), "."]
 
 
-def _notices(look: Look) -> list[Markup]:
-    a = look.arrays
+def _notices(fused: PicturedMap) -> list[Markup]:
+    a = fused.arrays
     low = [str(name) for name, share in zip(a["views"], a["view_overlap"], strict=True) if not share >= LITTLE_OVERLAP]
     missing = np.count_nonzero(~np.isfinite(a["depth"])) / a["depth"].size
     found = []
@@ -132,39 +135,43 @@ def _notices(look: Look) -> list[Markup]:
     return [notice(sentence) for sentence in found]
 
 
-def _maps(look: Look) -> Markup:
-    a, widest = look.arrays, look.widest
+def _maps(fused: PicturedMap) -> Markup:
+    a, widest = fused.arrays, fused.widest
     confidence = _confidence_scale(a["confidence"])
     seen = np.where(a["observations"] > 0, a["observations"], np.nan).astype(np.float32)
     count = Scale(0.0, float(max(1, len(a["views"]), a["observations"].max(initial=1))), "sea", whole=True)
     shown = [
-        figure(draw(a["reference"], look.depth, widest), "Reference view", "as it was given", scale=look.depth),
-        figure(draw(a["median"], look.depth, widest), "Median", "of the observations of each pixel", scale=look.depth),
+        figure(draw(a["reference"], fused.depth, widest), "Reference view", "as it was given", scale=fused.depth),
         figure(
-            draw(a["depth"], look.depth, widest),
+            draw(a["median"], fused.depth, widest), "Median", "of the observations of each pixel", scale=fused.depth
+        ),
+        figure(
+            draw(a["depth"], fused.depth, widest),
             "Fused",
             "the square is enlarged below",
-            scale=look.depth,
-            frame=_shares(look.window, a["depth"].shape),
+            scale=fused.depth,
+            frame=_shares(fused.window, a["depth"].shape),
         ),
         figure(
             draw(a["confidence"], confidence, widest), "Confidence", "Λ, relative to the noise scale", scale=confidence
         ),
         figure(draw(seen, count, widest), "Observations", "per pixel; hatched: none, in-painted", scale=count),
-        *_companion(look),
+        *_companion(fused),
     ]
     lead = "All depth maps share one scale: the 1st to the 99th percentile of the fused map. Hatched grey is missing."
-    return section("Maps", gallery(*shown, columns=columns_for(look.aspect, len(shown))), lead=lead)
+    return section("Maps", gallery(*shown, columns=columns_for(fused.aspect, len(shown))), lead=lead)
 
 
-def _companion(look: Look) -> list[Markup]:
+def _companion(fused: PicturedMap) -> list[Markup]:
     """The sixth picture: the truth, or else the colour image, or else nothing."""
-    if "truth" in look.arrays:
+    if "truth" in fused.arrays:
         return [
-            figure(draw(look.arrays["truth"], look.depth, look.widest), "Truth", "on the same scale", scale=look.depth)
+            figure(
+                draw(fused.arrays["truth"], fused.depth, fused.widest), "Truth", "on the same scale", scale=fused.depth
+            )
         ]
-    if "image" in look.arrays:
-        return [figure(photograph(look.arrays["image"], look.widest), "Image", "of the reference view")]
+    if "image" in fused.arrays:
+        return [figure(photograph(fused.arrays["image"], fused.widest), "Image", "of the reference view")]
     return []
 
 
@@ -174,8 +181,8 @@ def _confidence_scale(confidence: np.ndarray) -> Scale:
     return scale if scale.log and scale.high / scale.low > 20 else pictures.robust([confidence], "viridis")
 
 
-def _surface(look: Look) -> Markup:
-    a, widest = look.arrays, look.widest
+def _surface(fused: PicturedMap) -> Markup:
+    a, widest = fused.arrays, fused.widest
     light = surface.shade(a["normals"], a["intrinsics"])
     before = surface.shade(normals(a["median"], a["intrinsics"]), a["intrinsics"])
     turned = surface.oblique(a["depth"], a["intrinsics"], light, a.get("image"))
@@ -189,7 +196,7 @@ def _surface(look: Look) -> Markup:
         ),
     ]
     return section(
-        "Surface", gallery(*shown, columns=columns_for(look.aspect, 3)), lead="What the depth map is worth as a shape."
+        "Surface", gallery(*shown, columns=columns_for(fused.aspect, 3)), lead="What the depth map is worth as a shape."
     )
 
 
@@ -222,61 +229,61 @@ def _shares(window: tuple[int, int, int, int], shape: tuple[int, int]) -> tuple[
     return column / shape[1], row / shape[0], width / shape[1], height / shape[0]
 
 
-def _detail(look: Look) -> Markup:
-    row, column, height, width = look.window
+def _detail(fused: PicturedMap) -> Markup:
+    row, column, height, width = fused.window
     crops = {
-        name: look.arrays[name][row : row + height, column : column + width]
+        name: fused.arrays[name][row : row + height, column : column + width]
         for name in ("reference", "median", "depth")
     }
-    scale = pictures.robust([crops["depth"]], "turbo", look.unit)
+    scale = pictures.robust([crops["depth"]], "turbo", fused.unit)
     shown = [
         figure(draw(crop, scale), accuracy.CANDIDATES[name], scale=scale, crisp=True) for name, crop in crops.items()
     ]
     change = crops["depth"] - crops["median"]
-    signed = pictures.symmetric([change], look.unit)
+    signed = pictures.symmetric([change], fused.unit)
     shown += [figure(draw(change, signed), "Fused minus median", scale=signed, crisp=True)]
-    why = "the fused map errs most" if "truth" in look.arrays else "the surface bends most"
+    why = "the fused map errs most" if "truth" in fused.arrays else "the surface bends most"
     lead = f"The square of {width} × {height} pixels at column {column}, row {row}, where {why}; on scales of its own."
     return section("Detail", gallery(*shown, columns=4), lead=lead)
 
 
-def _views(look: Look) -> Markup:
-    a = look.arrays
+def _views(fused: PicturedMap) -> Markup:
+    a = fused.arrays
     thumbnails = np.asarray(a["thumbnails"])
-    small = round((THUMBNAIL_PIXELS * look.aspect / max(1, len(thumbnails))) ** 0.5)
-    widest = min(look.widest, 240, max(80, small))
+    small = round((THUMBNAIL_PIXELS * fused.aspect / max(1, len(thumbnails))) ** 0.5)
+    widest = min(fused.widest, 240, max(80, small))
     shown = [
-        figure(draw(thumbnail, look.depth, widest), str(name), percent(float(overlap)))
+        figure(draw(thumbnail, fused.depth, widest), str(name), percent(float(overlap)))
         for thumbnail, name, overlap in zip(thumbnails, a["views"], a["view_overlap"], strict=True)
     ]
-    columns = columns_for(look.aspect, max(len(shown), 4), small=True)
+    columns = columns_for(fused.aspect, max(len(shown), 4), small=True)
     if 4 < len(shown) <= 12:
         columns = min(columns, -(-len(shown) // 2))
     lead = "Each view reprojected into the reference camera, on the scale of the maps above; and the share it reaches."
     return section(
         "Views",
         gallery(*shown, columns=columns, small=True),
-        element("div", bar(look.depth), class_="shared"),
-        _view_table(look),
+        element("div", bar(fused.depth), class_="shared"),
+        _view_table(fused),
         lead=lead,
     )
 
 
-def _view_table(look: Look) -> Markup:
-    a = look.arrays
-    rows, warn = [], {}
+def _view_table(fused: PicturedMap) -> Markup:
+    a = fused.arrays
+    rows, warn = [], dict[int, str]()
     columns = (a["views"], a["view_valid"], a["view_overlap"], aligned(a["view_residual"]))
     for index, (name, valid, overlap, residual) in enumerate(zip(*columns, strict=True)):
         little = not overlap >= LITTLE_OVERLAP
         warn |= {index: "little overlap with the reference"} if little else {}
         label = join(str(name), element("span", "little overlap", class_="aside") if little else "")
         rows.append((label, *(meter(share, percent(share)) for share in (float(valid), float(overlap))), residual))
-    unit = f", {look.unit}" if look.unit else ""
+    unit = f", {fused.unit}" if fused.unit else ""
     return table(("View", "Valid depth", "Overlap with the reference", f"Median residual{unit}"), rows, warn=warn)
 
 
-def _solver(look: Look) -> Markup:
-    history = np.asarray(look.arrays["history"])
+def _solver(fused: PicturedMap) -> Markup:
+    history = np.asarray(fused.arrays["history"])
     if not len(history):
         return section("Solver", lead="The solver left no history.")
     rounds, _, energy, gap, merit = history.T
@@ -289,10 +296,17 @@ def _solver(look: Look) -> Markup:
             "iteration",
             "relative gap",
             log_y=True,
-            **SMALL,
+            width=SMALL[0],
+            height=SMALL[1],
         ),
         curves.plot(
-            [curves.Series("energy", steps, energy)], "Energy", "iteration", "energy", log_y=_spans(energy), **SMALL
+            [curves.Series("energy", steps, energy)],
+            "Energy",
+            "iteration",
+            "energy",
+            log_y=_spans(energy),
+            width=SMALL[0],
+            height=SMALL[1],
         ),
         curves.plot(
             [curves.Series("merit", rounds[last], merit[last], dots=True)],
@@ -300,7 +314,8 @@ def _solver(look: Look) -> Markup:
             "round",
             "merit",
             log_y=_spans(merit),
-            **SMALL,
+            width=SMALL[0],
+            height=SMALL[1],
         ),
     ]
     known = gap[np.isfinite(gap)]
@@ -323,7 +338,7 @@ def _spans(values: np.ndarray) -> bool:
     return bool(known.size and known.min() > 0 and known.max() > 50 * known.min())
 
 
-def _reading(look: Look) -> Markup:
+def _explanation(fused: PicturedMap) -> Markup:
     meaning = (
         "The confidence of a pixel is the precision Λ that its observations earn: high where many views agree with the "
         "fused depth, low where few reach or they scatter. It is relative to the noise scale, so that values compare "

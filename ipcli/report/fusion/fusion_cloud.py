@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from ipcli.report.kit.provenance import origin
 CANVAS = (540, 860)  # rows and columns of the picture
 
 
-def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = pictures.WIDEST) -> str:
+def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], *, widest: int = pictures.WIDEST) -> str:
     """The HTML of a "fusion-cloud" artefact; no picture is stored wider than `widest` pixels."""
     unit, count = str(arrays["unit"]), len(arrays["points"])
     verdict = (

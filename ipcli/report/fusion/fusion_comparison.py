@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from ipcli.report.kit.page import Markup, details, element, section, table
 from ipcli.report.kit.page import page as document
 
 
-def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = 0) -> str:
+def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], *, widest: int = 0) -> str:
     """The HTML of a `comparison` artefact; it has no pictures for `widest` to bound."""
     scenes, methods, columns = ([str(name) for name in arrays[field]] for field in ("scenes", "methods", "columns"))
     values = arrays["values"]

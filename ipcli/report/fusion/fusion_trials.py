@@ -5,6 +5,7 @@ worth.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ SHOWN = 6  # lines of a plot that can still be told apart
 MARGIN = 0.06  # of the scene's extent, around it
 
 
-def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = WIDEST) -> str:
+def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], *, widest: int = WIDEST) -> str:
     """The HTML of `trials` artefact."""
     views = (provenance.get("inputs") or [{}])[0].get("name", "a scene")
     return document(

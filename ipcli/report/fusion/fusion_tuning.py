@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-from ipcli.report.fusion.averages import over_scenes
+from ipcli.measurements.accuracy import mean_over_scenes
 from ipcli.report.kit import provenance as origin
 from ipcli.report.kit.curves import Series, plot
 from ipcli.report.kit.numbers import number
@@ -16,7 +17,7 @@ from ipcli.report.kit.page import page as document
 WITHIN = 1.1  # times the error at the best lambda is close enough for the automatic one
 
 
-def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = 0) -> str:
+def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], *, widest: int = 0) -> str:
     """The HTML of a `tuning` artefact; it has no pictures for `widest` to bound."""
     methods, scenes = ([str(name) for name in arrays[field]] for field in ("methods", "scenes"))
     values, automatic = measured(arrays)
@@ -44,7 +45,8 @@ def measured(arrays: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Means over the scenes of the measure that was tuned: (m, n) over the grid, and (m,) at the automatic lambda."""
     columns = [str(name) for name in arrays["columns"]]
     chosen = columns.index(str(arrays["measure"]))
-    return over_scenes(arrays["values"], columns)[..., chosen], over_scenes(arrays["automatic"], columns)[..., chosen]
+    values, automatic = (mean_over_scenes(arrays[field], columns)[..., chosen] for field in ("values", "automatic"))
+    return values, automatic
 
 
 def plots(arrays: Mapping[str, np.ndarray], values: np.ndarray, automatic: np.ndarray) -> list[Markup]:

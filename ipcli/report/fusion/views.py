@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ NOT_SHOWN = ("/confidence", "/truth")  # fields of a view that the sheet does no
 Views = Mapping[str, Mapping[str, np.ndarray]]
 
 
-def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = pictures.WIDEST) -> str:
+def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], *, widest: int = pictures.WIDEST) -> str:
     """The HTML page of a "views" artefact, the same bytes for the same artefact; no picture is stored wider than
     ``widest`` pixels.
     """

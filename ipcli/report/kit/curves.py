@@ -39,7 +39,7 @@ class Axis:
     log: bool
     length: float
 
-    def position(self, values: np.ndarray) -> np.ndarray:
+    def position(self, values: np.ndarray | float) -> np.ndarray:
         """Pixels from the start of the axis; NaN where a logarithmic axis has no place for a value."""
         values = np.asarray(values, dtype=float)
         if not self.log:
@@ -157,6 +157,6 @@ def _legend(series: Sequence[Series], width: float) -> Markup:
     return element("g", *parts)
 
 
-def _short(value: float) -> str:
+def _short(value: float | np.ndarray) -> str:
     """A coordinate with at most one decimal: pixels need no more."""
     return f"{float(value):.1f}".removesuffix(".0")

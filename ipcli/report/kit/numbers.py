@@ -33,7 +33,7 @@ def _fixed(value: float, decimals: int) -> str:
     return "0" if text in ("-0", "") else text.replace("-", MINUS)
 
 
-def aligned(values: Sequence[float], digits: int = 3) -> list[str]:
+def aligned(values: Sequence[float] | np.ndarray, digits: int = 3) -> list[str]:
     """A column of numbers with the decimals that the smallest needs for ``digits`` digits, five at most."""
     known = [abs(value) for value in map(float, values) if isfinite(value) and value]
     if known and (max(known) >= 1e6 or max(known) < 1e-3):

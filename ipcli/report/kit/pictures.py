@@ -55,7 +55,7 @@ class Scale:
     log: bool = False
     whole: bool = False  # the values are counts: no fractions on the colour bar
 
-    def position(self, values: np.ndarray) -> np.ndarray:
+    def position(self, values: np.ndarray | float) -> np.ndarray:
         """Where values lie on the bar: 0 at ``low``, 1 at ``high``, clipped; NaN stays, as do values <= 0 if log."""
         values = np.asarray(values)
         low, high = self.low, self.high

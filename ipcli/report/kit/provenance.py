@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from json import dumps
+from typing import Any
 
 from ipcli.report.kit.page import Markup, details, element, section, table
 
 
-def origin(provenance: Mapping[str, object]) -> Markup:
+def origin(provenance: Mapping[str, Any]) -> Markup:
     """Parameters and inputs of an artefact, folded away; an artefact without a record says so."""
     if not provenance:
         return section("Origin", lead="The artefact carries no record of its parameters and inputs.")
     command, version, digest = (str(provenance.get(key, "unknown")) for key in ("command", "ipcli", "digest"))
     lead = _with_code("Made by ", command, f" of ipcli {version}, seed {provenance.get('seed', 0)}; digest ", digest)
     return section(
-        "Origin", _parameters(provenance.get("params") or {}), _inputs(provenance.get("inputs") or ()), lead=lead
+        "Origin", _parameters(provenance.get("params") or {}), _inputs(provenance.get("inputs") or []), lead=lead
     )
 
 
@@ -24,7 +25,7 @@ def _with_code(*texts: str) -> Markup:
     return element("span", *(element("code", text) if index % 2 else text for index, text in enumerate(texts)))
 
 
-def leaves(params: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, object]]:
+def leaves(params: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, object]]:
     """The leaves of nested parameters as (dotted name, value), sorted: artefacts keep no order of keys."""
     for name, value in sorted(params.items()):
         if isinstance(value, Mapping):
@@ -33,7 +34,7 @@ def leaves(params: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str
             yield f"{prefix}{name}", value
 
 
-def _parameters(params: Mapping[str, object]) -> Markup:
+def _parameters(params: Mapping[str, Any]) -> Markup:
     rows = [
         (name, element("code", value if isinstance(value, str) else dumps(value))) for name, value in leaves(params)
     ]

@@ -2,50 +2,46 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import json
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
+from ipcli.io.files import atomic, h5
 from ipcli.params import Run
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from ipcli.stages.kit.artefact import Outcome
-
-
-@dataclass(frozen=True)
-class Params:
-    """Nothing to choose: the table follows from the files."""
+from ipcli.report.fusion.fusion_trials import row_names
+from ipcli.stages.fusion.parameters import CompareFusion
+from ipcli.stages.kit.artefact import Job, Outcome, make
+from ipcli.stages.kit.pages import page
 
 
-def run(files: Sequence[Path], output: Path, params: Params, run: Run) -> Outcome:
+def run(files: Sequence[Path], output: Path, params: CompareFusion, run: Run) -> Outcome:
     """Write the table and beside it a page (.html) and all figures (.csv, .json).
 
     A scene is the name of a file up to its first dot. Raises FormatError for a file without measures and ParameterError
     when two files of a scene give the same method, or other figures for the same baseline.
     """
-    from ipcli.stages.kit.artefact import Job, make
-    from ipcli.stages.kit.pages import page
-
     beside = {
         **page(output, "fusion-comparison"),
         output.with_suffix(".csv"): write_csv,
         output.with_suffix(".json"): write_json,
     }
     job = Job(output, "fusion-comparison", "compare", params, tuple(files), beside)
-    return make(job, lambda: comparison(files), run)
+    return make(job, lambda: comparison_arrays(files), run)
 
 
-def comparison(files: Sequence[Path]) -> dict[str, np.ndarray]:
-    """The arrays of the `comparison` artefact; scenes and methods in the order of the files."""
-    import numpy as np
-
-    columns, cells = None, {}
+def comparison_arrays(files: Sequence[Path]) -> dict[str, np.ndarray]:
+    """The arrays of the `fusion-comparison` artefact; scenes and methods in the order of the files."""
+    columns: list[str] = []
+    cells: dict[tuple[str, str], np.ndarray] = {}
     for path in files:
-        columns, rows = measures(path, columns)
+        columns, rows = read_measures(path, columns)
         scene = path.name.split(".")[0]
         for method, values in rows.items():
             known = cells.setdefault((scene, method), values)
@@ -55,24 +51,20 @@ def comparison(files: Sequence[Path]) -> dict[str, np.ndarray]:
                 )
     scenes, methods = (list(dict.fromkeys(names)) for names in zip(*cells, strict=True))
     nothing = np.full(len(columns), np.nan)
-    values = np.array([[cells.get((scene, method), nothing) for method in methods] for scene in scenes])
-    return {"scenes": np.array(scenes), "methods": np.array(methods), "columns": np.array(columns), "values": values}
+    table = np.array([[cells.get((scene, method), nothing) for method in methods] for scene in scenes])
+    return {"scenes": np.array(scenes), "methods": np.array(methods), "columns": np.array(columns), "values": table}
 
 
-def measures(path: Path, columns: list[str] | None) -> tuple[list[str], dict[str, np.ndarray]]:
+def read_measures(path: Path, columns: list[str]) -> tuple[list[str], dict[str, np.ndarray]]:
     """Columns, and the figures of each method, of a fused map or of trials; the columns must be those given, if any."""
-    from ipcli.io.files import h5
-
-    found, rows = (of_trials if h5.peek(path).kind == "fusion-trials" else of_fused_map)(path)
-    if columns is not None and found != columns:
+    read = _measures_of_trials if h5.peek(path).kind == "fusion-trials" else _measures_of_map
+    found, rows = read(path)
+    if columns and found != columns:
         raise FormatError(path, "has other measures than the files before it", expected=columns, got=found)
     return found, rows
 
 
-def of_fused_map(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
-    """What a `fused-depth` artefact says of its map and of those beside it."""
-    from ipcli.io.files import h5
-
+def _measures_of_map(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
     wanted = ("metrics", "metric_rows", "metric_columns", "method")
     artefact = h5.read(path, "fused-depth", only=lambda name: name in wanted)
     arrays, lam = artefact.arrays, artefact.provenance["params"]["fusion"]["lam"]
@@ -85,22 +77,13 @@ def of_fused_map(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
     return [str(name) for name in arrays["metric_columns"]], dict(zip(names, arrays["metrics"], strict=True))
 
 
-def of_trials(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
-    """What a `trials` says of each of its methods."""
-    from ipcli.io.files import h5
-    from ipcli.report.fusion.fusion_trials import row_names
-
+def _measures_of_trials(path: Path) -> tuple[list[str], dict[str, np.ndarray]]:
     arrays = h5.read(path, "fusion-trials", only=lambda name: name in ("methods", "rules", "columns", "values")).arrays
     return [str(name) for name in arrays["columns"]], dict(zip(row_names(arrays), arrays["values"], strict=True))
 
 
 def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """A line for each scene and method."""
-    import csv
-    import io
-
-    from ipcli.io.files import atomic
-
+    """Write the table as CSV, a line for each scene and method."""
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
     lines.writerow(["scene", "method", *arrays["columns"]])
@@ -110,12 +93,7 @@ def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[
 
 
 def write_json(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """An object a scene and method; null where undefined."""
-    import json
-    import math
-
-    from ipcli.io.files import atomic
-
+    """Write the table as JSON, an object for each scene and method; null where undefined."""
     rows = []
     for scene, table in zip(arrays["scenes"], arrays["values"].tolist(), strict=True):
         for method, values in zip(arrays["methods"], table, strict=True):

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
-from ipcli.models.fusion.parameters import Merge
+from ipcli.io.files import h5, ply
+from ipcli.models.fusion.merge import Cloud, FusedMap, depth_noise, merge
 from ipcli.params import Run
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from ipcli.models.fusion.merge import Cloud, FusedMap
-    from ipcli.stages.kit.artefact import Outcome
+from ipcli.stages.fusion.parameters import MergeDepth
+from ipcli.stages.kit.artefact import Job, Outcome, make
+from ipcli.stages.kit.pages import page
 
 NEEDED = {
     "depth",
@@ -32,23 +31,13 @@ NEEDED = {
 SPARE = 8  # maps held beyond the neighbours of one
 
 
-@dataclass(frozen=True)
-class Params:
-    """Which points are kept, and how finely."""
-
-    merge: Merge = field(default_factory=Merge)
-
-
-def run(files: Sequence[Path], output: Path, params: Params, run: Run) -> Outcome:
+def run(files: Sequence[Path], output: Path, params: MergeDepth, run: Run) -> Outcome:
     """Write the artefact X.h5, the cloud X.ply and the page X.html for an output X.ply or X.h5; files count in order of
     their paths.
 
     Raises ParameterError for another suffix, FormatError when files differ in unit, NoSolution when no point is
     confirmed.
     """
-    from ipcli.stages.kit.artefact import Job, make
-    from ipcli.stages.kit.pages import page
-
     if output.suffix not in (".ply", ".h5"):
         raise ParameterError(
             f"{output}: a cloud is written as X.ply (with X.h5 beside it); got the suffix '{output.suffix}'"
@@ -56,35 +45,29 @@ def run(files: Sequence[Path], output: Path, params: Params, run: Run) -> Outcom
     inputs = tuple(sorted(set(files)))
     beside = {output.with_suffix(".ply"): write_cloud} | page(output, "fusion-cloud")
     job = Job(output.with_suffix(".h5"), "fusion-cloud", "merge-depth", params, inputs, beside)
-    return make(job, lambda: cloud_artefact(inputs, params), run)
+
+    def build() -> dict[str, np.ndarray]:
+        unit, maps = read_unit(inputs), MapsOnDemand(inputs, held=params.merge.neighbours + SPARE)
+        return cloud_arrays(merge(maps, params.merge), inputs, unit)
+
+    return make(job, build, run)
 
 
-def cloud_artefact(files: Sequence[Path], params: Params) -> dict[str, np.ndarray]:
-    """The arrays of the `cloud` artefact."""
-    from ipcli.models.fusion.merge import merge
-
-    maps = Maps(files, held=params.merge.neighbours + SPARE)
-    return described(merge(maps, params.merge), files, maps.unit)
-
-
-class Maps:
+class MapsOnDemand(Sequence[FusedMap]):
     """The fused maps of files, read when they are asked for; so many of them are held."""
 
     def __init__(self, files: Sequence[Path], held: int):
-        self._files, self.unit = files, read_unit(files)
-        self._read = lru_cache(maxsize=held)(read_map)
+        self._files, self._read = files, lru_cache(maxsize=held)(read_map)
 
     def __len__(self) -> int:
         return len(self._files)
 
-    def __getitem__(self, index: int) -> FusedMap:
+    def __getitem__(self, index: Any) -> Any:
         return self._read(self._files[index])
 
 
 def read_unit(files: Sequence[Path]) -> str:
     """The unit of all files; FormatError is raised for a second one."""
-    from ipcli.io.files import h5
-
     first, *others = files
     unit = str(h5.read(first, "fused-depth", only=lambda name: name == "unit").arrays["unit"])
     for path in others:
@@ -97,12 +80,7 @@ def read_unit(files: Sequence[Path]) -> str:
 
 
 def read_map(path: Path) -> FusedMap:
-    """A fused map."""
-    import numpy as np
-
-    from ipcli.io.files import h5
-    from ipcli.models.fusion.merge import FusedMap, depth_noise
-
+    """The fused map in a `fused-depth` artefact, where it was observed, with the noise of its observations."""
     arrays = h5.read(path, "fused-depth", only=lambda name: name in NEEDED).arrays
     depth = np.where(arrays["observations"] > 0, arrays["depth"], np.float32(np.nan))
     noise = depth_noise(depth, arrays["view_residual"], inverse=str(arrays["domain"]) != "depth")
@@ -110,17 +88,15 @@ def read_map(path: Path) -> FusedMap:
     return FusedMap(depth, noise=noise, image=arrays.get("image"), **{name: arrays[name] for name in same})
 
 
-def described(cloud: Cloud, files: Sequence[Path], unit: str) -> dict[str, np.ndarray]:
-    """The cloud, and what each map gave to it."""
-    import numpy as np
-
+def cloud_arrays(cloud: Cloud, files: Sequence[Path], unit: str) -> dict[str, np.ndarray]:
+    """The arrays of the `fusion-cloud` artefact: the cloud, and what each map gave to it."""
     points, counts = cloud.points, cloud.counts
-    arrays = {
+    arrays: dict[str, np.ndarray] = {
         "points": points.position.astype(np.float32),
         "normals": points.normal.astype(np.float32),
         "confidence": points.confidence.astype(np.float32),
         "views": points.views.astype(np.uint16),
-        "spacing": np.float64(cloud.spacing),
+        "spacing": np.array(cloud.spacing, np.float64),
         "maps": np.array([path.name for path in files]),
         "cam_from_world": cloud.cam_from_world,
         "map_points": counts[:, 0],
@@ -132,9 +108,7 @@ def described(cloud: Cloud, files: Sequence[Path], unit: str) -> dict[str, np.nd
 
 
 def write_cloud(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """The cloud for other programs."""
-    from ipcli.io.files import ply
-
+    """Write the cloud as PLY, for other programs."""
     ply.write(
         path,
         arrays["points"],

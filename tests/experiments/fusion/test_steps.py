@@ -14,11 +14,11 @@ import pytest
 
 from experiments.fusion import page, recordings, scale_space
 from ipcli.io.views import kitti, layouts
-from ipcli.stages.fusion.evaluate_fusion import GIVEN
-from ipcli.stages.fusion.scenes import parse
+from ipcli.models.fusion.parameters import parse_variants
+from ipcli.models.fusion.scenes import INITIAL
 
 ROOT = Path(__file__).parents[2]
-LABELS = {*GIVEN, *(variant.label for variant in parse("all"))}
+LABELS = {*INITIAL, *(variant.label for variant in parse_variants("all"))}
 
 
 def printed(name):

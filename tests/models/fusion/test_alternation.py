@@ -11,7 +11,7 @@ from ipcli.inverse.regularize.fidelity import Observations
 from ipcli.inverse.regularize.parameters import Solver
 from ipcli.models.fusion import alternation
 from ipcli.models.fusion.alternation import ALGORITHMS, History, confidence_step, with_given_confidence
-from ipcli.models.fusion.fuse import pose
+from ipcli.models.fusion.fuse import build_problem
 from ipcli.models.fusion.parameters import METHODS, Confidence, Fusion
 
 SHAPE = (30, 37)
@@ -37,7 +37,7 @@ def layers_of(seed, k=4, outliers=0.1, missing=0.15):
 def problem_of(seed=0, method="l1-adapt", **settings):
     """Under a weak prior, where the confidence has the most to say."""
     data, prior = Observations.of(layers_of(seed)), Confidence(**{"shape": 1.5, "rate": 0.1} | settings)
-    return pose(data, 0.3, METHODS[method], Fusion(confidence=prior)), data
+    return build_problem(data, 0.3, METHODS[method], Fusion(confidence=prior)), data
 
 
 def iterate_of(problem, data, solver=Solver()):
@@ -96,7 +96,7 @@ def test_observations_that_deviate_alike_are_as_confident_as_their_pixel():
     weights = np.random.default_rng(0).uniform(0.5, 2, layers.shape[1:]).astype(np.float32)
     for given in (None, np.broadcast_to(weights, layers.shape)):
         data, x = Observations.of(layers, given), np.full(SHAPE, 3, np.float32)
-        both = [pose(data, 0.3, METHODS[name], Fusion()) for name in ("l1-adapt", "l1-adapt-views")]
+        both = [build_problem(data, 0.3, METHODS[name], Fusion()) for name in ("l1-adapt", "l1-adapt-views")]
         of_pixels, of_each = (problem.best_confidence(x) for problem in both)
         np.testing.assert_allclose(of_each, np.where(np.isfinite(data.stack), of_pixels[:, None], 0), rtol=1e-5)
         np.testing.assert_allclose(both[1].of_pixels(of_each), of_pixels, rtol=1e-5)
@@ -109,7 +109,7 @@ def test_observations_that_deviate_alike_are_as_confident_as_their_pixel():
 def test_a_view_that_is_off_loses_its_say_where_its_pixel_keeps_it():
     """Two views agree with the image and one does not: its confidence falls, not that of the others."""
     layers = np.stack([np.full(SHAPE, value, np.float32) for value in (0.0, 0.5, 30.0)])
-    problem = pose(Observations.of(layers), 0.3, METHODS["l1-adapt-views"], Fusion())
+    problem = build_problem(Observations.of(layers), 0.3, METHODS["l1-adapt-views"], Fusion())
     confidence = problem.best_confidence(np.zeros(SHAPE, np.float32))
     assert (confidence[:, 2] < 0.3 * confidence[:, 1]).all()
     assert (confidence[:, 0] > confidence[:, 1]).all()

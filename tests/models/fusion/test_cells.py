@@ -5,7 +5,7 @@ import pytest
 
 from ipcli.errors import ParameterError
 from ipcli.models.fusion import cells
-from ipcli.models.fusion.cells import Cells, Points, joined
+from ipcli.models.fusion.cells import Cells, SurfacePoints, concatenate
 from tests.fixtures.fusion_scenes import pose_at
 
 SPACING = 0.25
@@ -15,7 +15,7 @@ def some_points(rng, count, color=True):
     normal = rng.normal((0, 0, -2), 1, (count, 3))
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     colors = rng.integers(0, 256, (count, 3), np.uint8) if color else None
-    return Points(
+    return SurfacePoints(
         rng.uniform(-1, 1, (count, 3)),
         normal,
         colors,
@@ -50,13 +50,12 @@ def test_cells_hold_the_weighted_means_whatever_the_parts_they_come_in(waiting, 
     grid = Cells(SPACING)
     for part in parts:
         grid.add(part)
-    found, expected = grid.points(), by_dictionary(joined(parts))
+    found, expected = grid.points(), by_dictionary(concatenate(parts))
     assert len(found.position) == len(expected)
     for i, (_, values) in enumerate(sorted(expected.items())):
-        one = found.each(lambda array, i=i: array[i])
-        fields = (one.position, one.normal, one.color, one.precision, one.confidence, one.views)
+        fields = (found.position, found.normal, found.color, found.precision, found.confidence, found.views)
         for got, wanted in zip(fields, values, strict=True):
-            np.testing.assert_allclose(got, wanted, rtol=1e-12, atol=1e-12)
+            np.testing.assert_allclose(got[i], wanted, rtol=1e-12, atol=1e-12)
 
 
 def test_what_waits_is_bounded_by_the_cells(monkeypatch):

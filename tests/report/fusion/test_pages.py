@@ -185,18 +185,6 @@ def test_the_best_of_each_metric_is_marked():
     assert accuracy.best(values, ["MAE", "density, %", "RMSE"]) == {(1, 1), (2, 1), (1, 2)}
 
 
-def test_sparsification_against_its_definition():
-    rng = np.random.default_rng(2)
-    error, confidence = rng.gamma(1, 1, 500), rng.gamma(1, 1, 500)
-    shares, kept = accuracy.sparsification(error, -confidence)
-    for share, mean in zip(shares, kept, strict=True):
-        count = round(share * 5)
-        assert mean == pytest.approx(error[np.argsort(-confidence)[:count]].mean())
-    assert shares[-1] == 100
-    assert kept[-1] == pytest.approx(error.mean())
-    assert (accuracy.sparsification(error, error)[1] <= kept + 1e-12).all()
-
-
 def test_iterations_go_on_over_rounds_that_count_anew():
     assert fused_depth.unwrap(np.array([10, 20, 10, 20, 30, 5.0])).tolist() == [10, 20, 30, 40, 50, 55]
     assert fused_depth.unwrap(np.array([10, 20, 30.0])).tolist() == [10, 20, 30]

@@ -12,9 +12,10 @@ from ipcli.io.views import artefact
 from ipcli.models.fusion.parameters import Fusion
 from ipcli.params import Run
 from ipcli.stages.fusion import compare, fuse_depth
+from ipcli.stages.fusion.parameters import CompareFusion, FuseDepth
 from tests.fixtures.fusion_scenes import scene
 
-PARAMS = fuse_depth.Params(fusion=Fusion(method="tgv-l1"))
+PARAMS = FuseDepth(fusion=Fusion(method="tgv-l1"))
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def files(tmp_path_factory):
 
 
 def test_a_table_holds_what_each_file_says_of_its_scene_and_method(files, tmp_path):
-    compare.run(files, tmp_path / "t.h5", compare.Params(), Run())
+    compare.run(files, tmp_path / "t.h5", CompareFusion(), Run())
     table = h5.read(tmp_path / "t.h5", "fusion-comparison").arrays
     assert list(table["scenes"]) == ["a", "b"]
     for path in files:
@@ -48,7 +49,7 @@ def test_a_table_holds_what_each_file_says_of_its_scene_and_method(files, tmp_pa
 
 
 def test_the_csv_and_the_page_give_the_same_figures(files, tmp_path):
-    compare.run(files, tmp_path / "t.h5", compare.Params(), Run())
+    compare.run(files, tmp_path / "t.h5", CompareFusion(), Run())
     table = h5.read(tmp_path / "t.h5", "fusion-comparison").arrays
     lines = list(csv.reader((tmp_path / "t.csv").read_text().splitlines()))
     assert lines[0] == ["scene", "method", *table["columns"]]
@@ -62,11 +63,11 @@ def test_the_csv_and_the_page_give_the_same_figures(files, tmp_path):
 def test_a_map_without_truth_is_refused_by_name(files, tmp_path):
     blind = files[0].parent / "c.fused.h5"
     with pytest.raises(FormatError, match=r"c\.fused\.h5.*no error measures"):
-        compare.run([*files, blind], tmp_path / "t.h5", compare.Params(), Run())
+        compare.run([*files, blind], tmp_path / "t.h5", CompareFusion(), Run())
 
 
 def test_two_figures_for_one_cell_are_refused(files, tmp_path):
     other = tmp_path / "a.other.h5"
     other.write_bytes(files[3].read_bytes())  # scene b under the name of scene a
     with pytest.raises(ParameterError, match="other figures"):
-        compare.run([files[1], other], tmp_path / "t.h5", compare.Params(), Run())
+        compare.run([files[1], other], tmp_path / "t.h5", CompareFusion(), Run())

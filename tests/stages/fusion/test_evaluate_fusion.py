@@ -11,7 +11,7 @@ from ipcli.models.fusion.metrics import ause, normal_error
 from ipcli.models.fusion.parameters import Fusion
 from ipcli.params import Run
 from ipcli.stages.fusion import compare, evaluate_fusion, fuse_depth, tune_fusion
-from ipcli.stages.fusion.evaluate_fusion import Params
+from ipcli.stages.fusion.parameters import CompareFusion, EvaluateFusion, FuseDepth, TuneFusion
 from ipcli.stages.kit.artefact import Outcome
 from tests.fixtures.fusion_scenes import scene, write
 
@@ -26,14 +26,14 @@ def views(tmp_path_factory):
 @pytest.fixture(scope="module")
 def tuning(views):
     path = views.with_name("t.tuning.h5")
-    tune_fusion.run([views], path, tune_fusion.Params(methods=("tv-l1",), lambdas=(0.2, 1.5)), Run())
+    tune_fusion.run([views], path, TuneFusion(methods=("tv-l1",), lambdas=(0.2, 1.5)), Run())
     return path
 
 
 @pytest.fixture(scope="module")
 def evaluated(views, tuning):
     path = views.with_name("a.trials.h5")
-    evaluate_fusion.run(views, path, Params(methods=METHODS), Run(), tuning)
+    evaluate_fusion.run(views, path, EvaluateFusion(methods=METHODS), Run(), tuning)
     return path
 
 
@@ -49,13 +49,13 @@ def test_rows_are_the_given_maps_and_each_method_by_each_rule_there_is(evaluated
         ("tv-l1", "tuned"),
         ("l1-adapt (acs)", "automatic"),
     ]
-    assert arrays["lambdas"][4] == tune_fusion.best_lambdas(tuning)["tv-l1"]
+    assert arrays["lambdas"][4] == tune_fusion.read_best_lambdas(tuning)["tv-l1"]
     assert np.isnan(arrays["lambdas"][:3]).all()
 
 
 def test_the_maps_are_those_of_fuse_depth(views, evaluated, tmp_path):
     arrays = h5.read(evaluated, "fusion-trials").arrays
-    fuse_depth.run(views, tmp_path / "f.h5", fuse_depth.Params(fusion=Fusion(method="l1-adapt")), Run())
+    fuse_depth.run(views, tmp_path / "f.h5", FuseDepth(fusion=Fusion(method="l1-adapt")), Run())
     alone = h5.read(tmp_path / "f.h5", "fused-depth").arrays
     kept = list(arrays["maps"]).index("l1-adapt (acs)")
     np.testing.assert_array_equal(arrays["depth"][kept], np.where(alone["observations"] > 0, alone["depth"], np.nan))
@@ -81,7 +81,7 @@ def test_the_curves_end_at_the_mean_error_and_enclose_the_ause(evaluated):
 
 def test_normals_and_uncertainty_are_judged_as_fuse_depth_judges_them(views, evaluated, tmp_path):
     arrays = h5.read(evaluated, "fusion-trials").arrays
-    fuse_depth.run(views, tmp_path / "f.h5", fuse_depth.Params(fusion=Fusion(method="l1-adapt")), Run())
+    fuse_depth.run(views, tmp_path / "f.h5", FuseDepth(fusion=Fusion(method="l1-adapt")), Run())
     alone = h5.read(tmp_path / "f.h5", "fused-depth").arrays
     error = np.where(np.isfinite(arrays["depth"]).all(axis=0), np.abs(alone["depth"] - alone["truth"]), np.nan)
     row, columns = list(arrays["methods"]).index("l1-adapt (acs)"), list(arrays["columns"])
@@ -100,7 +100,7 @@ def test_normals_and_uncertainty_are_judged_as_fuse_depth_judges_them(views, eva
 def test_compare_joins_trials_and_tells_the_rules_apart(evaluated, tmp_path):
     other = tmp_path / "b.trials.h5"
     other.write_bytes(evaluated.read_bytes())
-    compare.run([evaluated, other], tmp_path / "t.h5", compare.Params(), Run())
+    compare.run([evaluated, other], tmp_path / "t.h5", CompareFusion(), Run())
     table, one = h5.read(tmp_path / "t.h5", "fusion-comparison").arrays, h5.read(evaluated, "fusion-trials").arrays
     assert list(table["scenes"]) == ["a", "b"]
     assert list(table["methods"])[3:5] == ["tv-l1", "tv-l1, tuned λ"]
@@ -108,11 +108,11 @@ def test_compare_joins_trials_and_tells_the_rules_apart(evaluated, tmp_path):
 
 
 def test_a_second_run_is_up_to_date_until_the_tuning_changes(views, tuning, evaluated, tmp_path):
-    assert evaluate_fusion.run(views, evaluated, Params(methods=METHODS), Run(), tuning) is Outcome.UP_TO_DATE
+    assert evaluate_fusion.run(views, evaluated, EvaluateFusion(methods=METHODS), Run(), tuning) is Outcome.UP_TO_DATE
     again = tmp_path / "t.tuning.h5"
-    tune_fusion.run([views], again, tune_fusion.Params(methods=("tv-l1",), lambdas=(0.3, 1.5)), Run())
+    tune_fusion.run([views], again, TuneFusion(methods=("tv-l1",), lambdas=(0.3, 1.5)), Run())
     assert (
-        evaluate_fusion.run(views, evaluated, Params(methods=METHODS), Run(overwrite=True, dry_run=True), again)
+        evaluate_fusion.run(views, evaluated, EvaluateFusion(methods=METHODS), Run(overwrite=True, dry_run=True), again)
         is Outcome.WOULD_RUN
     )
 
@@ -125,10 +125,10 @@ def test_the_page_shows_every_row_and_every_kept_map(evaluated):
 
 
 def test_the_given_maps_alone_can_be_asked_for(views, tmp_path):
-    evaluate_fusion.run(views, tmp_path / "a.h5", Params(methods=("median",)), Run())
+    evaluate_fusion.run(views, tmp_path / "a.h5", EvaluateFusion(methods=("median",)), Run())
     assert list(h5.read(tmp_path / "a.h5", "fusion-trials").arrays["methods"]) == ["reference", "mean", "median"]
 
 
 def test_a_lambda_for_all_methods_is_refused(views, tmp_path):
     with pytest.raises(ParameterError, match="leave out --lambda"):
-        evaluate_fusion.run(views, tmp_path / "a.h5", Params(fusion=Fusion(lam=0.3)), Run())
+        evaluate_fusion.run(views, tmp_path / "a.h5", EvaluateFusion(fusion=Fusion(lam=0.3)), Run())

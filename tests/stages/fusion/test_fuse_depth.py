@@ -12,10 +12,11 @@ from ipcli.errors import FormatError, NoSolution, OutputExists, ParameterError
 from ipcli.geometry.cameras import back_project, transform
 from ipcli.inverse.regularize.parameters import Solver
 from ipcli.io.files import h5, ply
+from ipcli.models.fusion.assessment import THUMBNAIL
 from ipcli.models.fusion.parameters import Fusion
 from ipcli.params import Run
 from ipcli.stages.fusion import fuse_depth
-from ipcli.stages.fusion.fuse_depth import Params
+from ipcli.stages.fusion.parameters import FuseDepth
 from ipcli.stages.kit.artefact import Outcome
 from tests.fixtures.fusion_scenes import pose_at, scaled, scene, write
 
@@ -31,7 +32,7 @@ def source(tmp_path_factory):
 def fuse(source, folder, run=Run(), **params):
     """The outcome and the path of the artefact."""
     output = folder / "scene.fused.h5"
-    return fuse_depth.run(source, output, Params(**{"fusion": QUICK} | params), run), output
+    return fuse_depth.run(source, output, FuseDepth(**{"fusion": QUICK} | params), run), output
 
 
 def arrays(source, folder, **params):
@@ -92,7 +93,7 @@ def test_the_table_of_views_tells_what_each_gave(whole):
     assert found["view_residual"][2] == pytest.approx(residual, rel=1e-5)
     assert found["noise_scale"] == pytest.approx(0.02, rel=0.2)
     assert found["thumbnails"].shape[0] == 5
-    assert max(found["thumbnails"].shape[1:]) <= fuse_depth.THUMBNAIL
+    assert max(found["thumbnails"].shape[1:]) <= THUMBNAIL
 
 
 def test_a_second_run_is_up_to_date_and_other_parameters_are_refused(source, whole):
@@ -208,7 +209,7 @@ def test_a_reference_that_is_not_there_is_told_with_the_nearest(source, tmp_path
 def test_progress_never_goes_back(source, tmp_path):
     told = []
     fuse_depth.run(
-        source, tmp_path / "x.h5", Params(fusion=QUICK), Run(), lambda share, text: told.append((share, text))
+        source, tmp_path / "x.h5", FuseDepth(fusion=QUICK), Run(), lambda share, text: told.append((share, text))
     )
     shares = [share for share, _ in told]
     assert shares == sorted(shares)

@@ -16,11 +16,11 @@ from ipcli.io.files import h5
 from ipcli.models.fusion.parameters import Fusion
 from ipcli.params import Run
 from ipcli.stages.fusion import fuse_depth
-from ipcli.stages.fusion.fuse_depth import Params
+from ipcli.stages.fusion.parameters import FuseDepth
 from ipcli.stages.kit.artefact import Outcome
 from tests.fixtures.fusion_scenes import scene, write
 
-EACH = Params(every=True, window=3, fusion=Fusion(solver=Solver(iterations=40), rounds=1))
+EACH = FuseDepth(every=True, window=3, fusion=Fusion(solver=Solver(iterations=40), rounds=1))
 
 
 @pytest.fixture(scope="module")

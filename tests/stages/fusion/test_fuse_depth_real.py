@@ -7,6 +7,7 @@ from ipcli.io.files import h5
 from ipcli.models.fusion.parameters import Fusion
 from ipcli.params import Run
 from ipcli.stages.fusion import fuse_depth, import_views, kitti_views
+from ipcli.stages.fusion.parameters import FuseDepth, ImportViews, KittiViews
 
 pytestmark = pytest.mark.real
 QUICK = Fusion(method="tgv-l1")
@@ -26,8 +27,8 @@ def test_kitti_fused_disparities_beat_the_median_and_the_reference(real_data, tm
         real_data("fusion/kitti2012_pairs"),
         real_data("fusion/kitti2012_poses") / "poses_training_cam2world.npz",
     )
-    kitti_views.run(folder, poses, tmp_path, kitti_views.Params(scenes="40"), Run())
-    params = fuse_depth.Params(reference="10_left", fusion=QUICK)
+    kitti_views.run(folder, poses, tmp_path, KittiViews(scenes="40"), Run())
+    params = FuseDepth(reference="10_left", fusion=QUICK)
     fuse_depth.run(tmp_path / "000040.views.h5", tmp_path / "fused.h5", params, Run())
     found = measures(tmp_path / "fused.h5")
     assert found["fused"]["out-3 %"] < found["median"]["out-3 %"] < found["reference"]["out-3 %"]
@@ -36,11 +37,9 @@ def test_kitti_fused_disparities_beat_the_median_and_the_reference(real_data, tm
 
 def test_living_room_error_is_at_most_60_per_cent_of_the_median_s(real_data, tmp_path):
     source = real_data("fusion/livingroom1_clean_micro")
-    views = import_views.Params(reference="00100", window=11, noise="laplace:0.03")
+    views = ImportViews(reference="00100", window=11, noise="laplace:0.03")
     import_views.run(source, tmp_path / "room.views.h5", views, Run())
-    fuse_depth.run(
-        tmp_path / "room.views.h5", tmp_path / "fused.h5", fuse_depth.Params(reference="00100", fusion=QUICK), Run()
-    )
+    fuse_depth.run(tmp_path / "room.views.h5", tmp_path / "fused.h5", FuseDepth(reference="00100", fusion=QUICK), Run())
     found = measures(tmp_path / "fused.h5")
     assert found["fused"]["MAE"] < 0.6 * found["median"]["MAE"] < 0.6 * found["mean"]["MAE"]
     assert found["fused"]["N-MAE rad"] < 0.25 < 1 < found["median"]["N-MAE rad"]

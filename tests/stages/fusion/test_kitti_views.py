@@ -14,11 +14,11 @@ from ipcli.io.views import layouts
 from ipcli.measurements.views import relative
 from ipcli.params import Run
 from ipcli.stages.fusion import kitti_views
-from ipcli.stages.fusion.kitti_views import Params, Sgbm
+from ipcli.stages.fusion.parameters import KittiViews, Sgbm
 from ipcli.stages.kit.artefact import Outcome
 
 FOCAL, BASELINE, DISPARITY = 100.0, 0.5, 10  # a wall at 5 m
-SMALL = Params(sgbm=Sgbm(disparities=16))
+SMALL = KittiViews(sgbm=Sgbm(disparities=16))
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def scenes(tmp_path) -> Path:
     return tmp_path
 
 
-def run(scenes: Path, params: Params = SMALL, how: Run = Run()) -> dict[Path, Outcome]:
+def run(scenes: Path, params: KittiViews = SMALL, how: Run = Run()) -> dict[Path, Outcome]:
     return kitti_views.run(scenes, scenes / "poses.npz", scenes / "out", params, how)
 
 
@@ -63,7 +63,7 @@ def test_each_scene_becomes_views_of_both_cameras_with_poses_and_truth(scenes):
 
 
 def test_truth_may_include_what_the_right_camera_does_not_see(scenes):
-    run(scenes, Params(scenes="0", truth="occ", sgbm=SMALL.sgbm))
+    run(scenes, KittiViews(scenes="0", truth="occ", sgbm=SMALL.sgbm))
     np.testing.assert_allclose(layouts.open_views(scenes / "out" / "000000.views.h5").load("10_left").truth, 4.0)
 
 
@@ -71,7 +71,7 @@ def test_a_second_run_does_nothing_and_other_parameters_do_not_replace(scenes):
     run(scenes)
     before = (scenes / "out" / "000000.views.h5").read_bytes()
     assert set(run(scenes).values()) == {Outcome.UP_TO_DATE}
-    other = Params(sgbm=Sgbm(disparities=16, block=3))
+    other = KittiViews(sgbm=Sgbm(disparities=16, block=3))
     with pytest.raises(ItemsFailed, match="2 of 2 items failed.*--overwrite"):
         run(scenes, other)
     assert (scenes / "out" / "000000.views.h5").read_bytes() == before
@@ -99,15 +99,15 @@ def test_a_scene_that_fails_does_not_stop_the_others_and_a_rerun_does_it_alone(s
 
 
 def test_scenes_are_chosen_by_number(scenes):
-    assert kitti_views.chosen(scenes, "2,000000") == ("000002", "000000")
+    assert kitti_views.select_scenes(scenes, "2,000000") == ("000002", "000000")
     with pytest.raises(ParameterError, match="no scene '000001' among the 2"):
-        kitti_views.chosen(scenes, "1")
+        kitti_views.select_scenes(scenes, "1")
 
 
 def test_settings_that_the_matcher_would_refuse_and_missing_poses_are_refused_first(scenes):
     for sgbm in (Sgbm(disparities=20), Sgbm(block=4)):
         with pytest.raises(ParameterError, match="multiple of 16, and sgbm.block odd"):
-            run(scenes, Params(sgbm=sgbm))
+            run(scenes, KittiViews(sgbm=sgbm))
     npz.write(scenes / "poses.npz", {"viso": np.full((3, 21, 4, 4), np.nan)})
     with pytest.raises(ItemsFailed, match="no pose of any frame of scene 000000 .expected frames 10, 11, got none"):
         run(scenes)
@@ -116,7 +116,9 @@ def test_settings_that_the_matcher_would_refuse_and_missing_poses_are_refused_fi
 @pytest.mark.real
 def test_real_scene_matches_its_truth_and_the_right_camera_confirms_the_left(real_data, tmp_path):
     poses = real_data("fusion/kitti2012_poses") / "poses_training_cam2world.npz"
-    kitti_views.run(real_data("fusion/kitti2012_multiview"), poses, tmp_path, Params(scenes="138", truth="occ"), Run())
+    kitti_views.run(
+        real_data("fusion/kitti2012_multiview"), poses, tmp_path, KittiViews(scenes="138", truth="occ"), Run()
+    )
     sequence = layouts.open_views(tmp_path / "000138.views.h5")
     left, right, later = (sequence.load(name) for name in sequence.names[:3])
     bf = sequence.baseline_focal

@@ -15,7 +15,7 @@ from ipcli.models.fusion.parameters import Fusion, Merge
 from ipcli.params import Run
 from ipcli.report.fusion.fusion_cloud import page
 from ipcli.stages.fusion import fuse_depth, merge_depth
-from ipcli.stages.fusion.merge_depth import Params
+from ipcli.stages.fusion.parameters import FuseDepth, MergeDepth
 from ipcli.stages.kit.artefact import Outcome
 from tests.fixtures.fusion_scenes import scene, write
 from tests.models.fusion.test_merge import distance
@@ -25,7 +25,7 @@ NOISE = 0.02
 
 def fuse(folder, name, **facts):
     source = write(folder / f"{name}.views.h5", scene(7, noise=NOISE), **facts)
-    each = fuse_depth.Params(every=True, window=5, fusion=Fusion(solver=Solver(iterations=200), rounds=2))
+    each = FuseDepth(every=True, window=5, fusion=Fusion(solver=Solver(iterations=200), rounds=2))
     return list(fuse_depth.run_all(source, folder / name, each, Run()))
 
 
@@ -37,7 +37,7 @@ def files(tmp_path_factory):
 @pytest.fixture(scope="module")
 def cloud(files, tmp_path_factory):
     output = tmp_path_factory.mktemp("cloud") / "x.ply"
-    assert merge_depth.run(files, output, Params(), Run()) is Outcome.DONE
+    assert merge_depth.run(files, output, MergeDepth(), Run()) is Outcome.DONE
     return output
 
 
@@ -74,12 +74,12 @@ def test_a_cloud_without_colours_is_shown_in_clay(cloud):
 
 
 def test_the_order_of_the_files_does_not_matter(files, cloud, tmp_path):
-    merge_depth.run([*files[3:], *files[:4][::-1]], tmp_path / "x.ply", Params(), Run())
+    merge_depth.run([*files[3:], *files[:4][::-1]], tmp_path / "x.ply", MergeDepth(), Run())
     assert contents(tmp_path / "x.ply") == contents(cloud)
 
 
 def test_maps_that_are_read_over_and_over_give_the_same_cloud(files):
-    few, all_at_once = merge_depth.Maps(files, held=1), [merge_depth.read_map(path) for path in files]
+    few, all_at_once = merge_depth.MapsOnDemand(files, held=1), [merge_depth.read_map(path) for path in files]
     a, b = (merge(maps, Merge()) for maps in (few, all_at_once))
     np.testing.assert_array_equal(a.points.position, b.points.position)
     np.testing.assert_array_equal(a.counts, b.counts)
@@ -88,13 +88,13 @@ def test_maps_that_are_read_over_and_over_give_the_same_cloud(files):
 
 def test_a_second_run_is_up_to_date_and_other_parameters_are_refused(files, cloud):
     before = contents(cloud)
-    assert merge_depth.run(files, cloud, Params(), Run()) is Outcome.UP_TO_DATE
+    assert merge_depth.run(files, cloud, MergeDepth(), Run()) is Outcome.UP_TO_DATE
     with pytest.raises(OutputExists, match="--overwrite"):
-        merge_depth.run(files, cloud, Params(Merge(agree=3)), Run())
+        merge_depth.run(files, cloud, MergeDepth(Merge(agree=3)), Run())
     with pytest.raises(OutputExists, match="--overwrite"):
-        merge_depth.run(files[1:], cloud, Params(), Run())
+        merge_depth.run(files[1:], cloud, MergeDepth(), Run())
     cloud.unlink()
-    assert merge_depth.run(files, cloud, Params(), Run()) is Outcome.DONE
+    assert merge_depth.run(files, cloud, MergeDepth(), Run()) is Outcome.DONE
     assert contents(cloud) == before
 
 
@@ -103,13 +103,13 @@ def test_maps_in_different_units_are_refused(files, tmp_path):
     with pytest.raises(
         FormatError, match="another unit than .*expected ft, got m|another unit than .*expected m, got ft"
     ):
-        merge_depth.run([*files, *other], tmp_path / "x.ply", Params(), Run())
+        merge_depth.run([*files, *other], tmp_path / "x.ply", MergeDepth(), Run())
     assert not (tmp_path / "x.ply").exists()
 
 
 def test_another_suffix_is_refused(files, tmp_path):
     with pytest.raises(ParameterError, match="X.ply"):
-        merge_depth.run(files, tmp_path / "x.pcd", Params(), Run())
+        merge_depth.run(files, tmp_path / "x.pcd", MergeDepth(), Run())
 
 
 def test_the_command_line(files, tmp_path, capsys):

@@ -10,7 +10,7 @@ from ipcli.io.files import h5
 from ipcli.io.views import layouts
 from ipcli.params import Run
 from ipcli.stages.fusion import render_views
-from ipcli.stages.fusion.render_views import Params
+from ipcli.stages.fusion.parameters import RenderViews
 
 SMALL = {"width": 80, "height": 60, "focal": 72.0}
 
@@ -26,7 +26,7 @@ def mesh(request, tmp_path_factory):
 
 def run(mesh, folder, seed=0, **params):
     output = folder / f"{seed}.views.h5"
-    render_views.run(mesh, output, Params(**SMALL | params), Run(seed=seed, overwrite=True))
+    render_views.run(mesh, output, RenderViews(**SMALL | params), Run(seed=seed, overwrite=True))
     return output
 
 

@@ -8,14 +8,13 @@ from ipcli.executor import ItemsFailed
 from ipcli.io.files import h5
 from ipcli.io.views import layouts
 from ipcli.models.fusion.fuse import fuse
-from ipcli.models.fusion.parameters import METHODS, Fusion
+from ipcli.models.fusion.parameters import METHODS, Fusion, Variant, parse_variants
 from ipcli.params import Run
 from ipcli.stages.fusion import tune_fusion
-from ipcli.stages.fusion.scenes import Variant, parse
-from ipcli.stages.fusion.tune_fusion import Params
+from ipcli.stages.fusion.parameters import TuneFusion
 from tests.fixtures.fusion_scenes import scene, write
 
-SMALL = Params(methods=("tv-l1", "l1-adapt:ama", "median"), lambdas=(0.3, 0.05, 3.0))
+SMALL = TuneFusion(methods=("tv-l1", "l1-adapt:ama", "median"), lambdas=(0.3, 0.05, 3.0))
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +52,7 @@ def test_best_is_the_least_geometric_mean_over_the_scenes_and_is_what_others_rea
     errors = arrays["values"][..., list(arrays["columns"]).index("RMSE")]
     for m, label in enumerate(arrays["methods"]):
         means = [np.sqrt(errors[0, m, n] * errors[1, m, n]) for n in range(3)]
-        assert tune_fusion.best_lambdas(tuned)[str(label)] == arrays["lambdas"][int(np.argmin(means))]
+        assert tune_fusion.read_best_lambdas(tuned)[str(label)] == arrays["lambdas"][int(np.argmin(means))]
 
 
 def test_any_executor_gives_the_same_bytes(files, tuned, tmp_path):
@@ -62,7 +61,7 @@ def test_any_executor_gives_the_same_bytes(files, tuned, tmp_path):
 
 
 def test_the_page_marks_a_best_lambda_at_an_end_of_the_grid(files, tmp_path):
-    params = Params(methods=("tv-l1",), lambdas=(0.001, 0.002))
+    params = TuneFusion(methods=("tv-l1",), lambdas=(0.001, 0.002))
     tune_fusion.run(files[:1], tmp_path / "t.tuning.h5", params, Run())
     page = (tmp_path / "t.tuning.html").read_text()
     assert "end of the grid" in page
@@ -72,12 +71,12 @@ def test_the_page_marks_a_best_lambda_at_an_end_of_the_grid(files, tmp_path):
 @pytest.mark.parametrize(
     ("params", "message"),
     [
-        (Params(methods=("median",)), "no method|none of these"),
-        (Params(methods=("tgv",)), "unknown method 'tgv'; did you mean 'tgv-l1'"),
-        (Params(methods=("tgv-l1:ama",)), "it estimates no confidence"),
-        (Params(methods=("l1-adapt:amma",)), "expected one of acs, ama, biconvex"),
-        (Params(lambdas=(0.1, 0.1)), "every lambda once"),
-        (Params(fusion=Fusion(method="rof")), "name them by --methods"),
+        (TuneFusion(methods=("median",)), "no method|none of these"),
+        (TuneFusion(methods=("tgv",)), "unknown method 'tgv'; did you mean 'tgv-l1'"),
+        (TuneFusion(methods=("tgv-l1:ama",)), "it estimates no confidence"),
+        (TuneFusion(methods=("l1-adapt:amma",)), "expected one of acs, ama, biconvex"),
+        (TuneFusion(lambdas=(0.1, 0.1)), "every lambda once"),
+        (TuneFusion(fusion=Fusion(method="rof")), "name them by --methods"),
     ],
 )
 def test_what_makes_no_sense_is_refused(files, tmp_path, params, message):
@@ -87,7 +86,9 @@ def test_what_makes_no_sense_is_refused(files, tmp_path, params, message):
 
 def test_an_unknown_measure_names_the_nearest_and_a_scene_without_truth_is_named(files, tmp_path):
     with pytest.raises(ParameterError, match="no measure 'RSME'; did you mean 'RMSE'"):
-        tune_fusion.run(files[:1], tmp_path / "t.h5", Params(methods=("tv-l1",), lambdas=(0.3,), measure="RSME"), Run())
+        tune_fusion.run(
+            files[:1], tmp_path / "t.h5", TuneFusion(methods=("tv-l1",), lambdas=(0.3,), measure="RSME"), Run()
+        )
     from dataclasses import replace
 
     blind = write(tmp_path / "c.views.h5", [replace(view, truth=None) for view in scene(shape=(48, 64))])
@@ -96,7 +97,7 @@ def test_an_unknown_measure_names_the_nearest_and_a_scene_without_truth_is_named
 
 
 def test_all_stands_for_every_method_once_and_adaptive_ones_by_each_algorithm():
-    variants = parse("all")
+    variants = parse_variants("all")
     assert len(set(variants)) == len(variants) == sum(3 if method.adaptive else 1 for method in METHODS.values())
-    assert parse("l1-adapt") == [Variant("l1-adapt", "acs")]
+    assert parse_variants("l1-adapt") == [Variant("l1-adapt", "acs")]
     assert Variant("l1-adapt", "acs").label == "l1-adapt (acs)"

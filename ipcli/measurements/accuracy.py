@@ -1,4 +1,7 @@
-"""How the errors of several scenes become one figure."""
+"""Errors measured on maps, summed up: over scenes, over the thesis' three depth measures, over the pixels kept.
+
+Models decide by these figures and pages show them.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 
-def over_scenes(values: np.ndarray, columns: Sequence[str], *, arithmetic: bool = False) -> np.ndarray:
+def mean_over_scenes(values: np.ndarray, columns: Sequence[str], *, arithmetic: bool = False) -> np.ndarray:
     """Means over the first axis of measures (s, ..., c): geometric for errors, as in the thesis' tables 4.2 and 4.3, so
     that no scene counts for more because its errors are larger; arithmetic for percentages, which may be 0, or, as in
     tables 4.4 and 4.5, for all. NaN if any is.
@@ -24,3 +27,10 @@ def depth_average(values: np.ndarray, columns: Sequence[str]) -> np.ndarray:
     three = values[..., [names.index(name) for name in ("centred RMSE", "Z-MAE", "N-MAE rad")]]
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.exp(np.log(three).mean(axis=-1))
+
+
+def sparsification_curve(error: np.ndarray, key: np.ndarray, points: int = 60) -> tuple[np.ndarray, np.ndarray]:
+    """Shares in % and the mean ``error`` (n,) of that share of pixels with the smallest ``key`` (n,), ties in order."""
+    ordered = error[np.argsort(key, kind="stable")].cumsum(dtype=np.float64)
+    counts = np.unique(np.linspace(min(len(error), max(1, len(error) // points)), len(error), points).astype(int))
+    return 100 * counts / len(error), ordered[counts - 1] / counts

@@ -1,0 +1,31 @@
+import numpy as np
+import pytest
+
+from ipcli.measurements.accuracy import depth_average, mean_over_scenes, sparsification_curve
+
+
+def test_errors_have_a_geometric_mean_and_percentages_an_arithmetic_one():
+    values = np.array([[[1.0, 0.0]], [[4.0, 3.0]]])
+    np.testing.assert_allclose(mean_over_scenes(values, ["RMSE", "out-3 %"]), [[2.0, 1.5]])
+
+
+def test_what_is_not_known_of_one_scene_is_not_known_of_the_mean():
+    assert np.isnan(mean_over_scenes(np.array([[1.0], [np.nan]]), ["RMSE"]))[0]
+
+
+def test_the_depth_average_is_that_of_the_thesis_tables():
+    """L1-heuristic of table 4.2: RMSE, ZMAE and NMAE give its Z-avg."""
+    row = np.array([9.0, 0.0831, 0.0572, 0.5893])
+    assert depth_average(row, ["RMSE", "centred RMSE", "Z-MAE", "N-MAE rad"]) == pytest.approx(0.1410, abs=1e-4)
+
+
+def test_sparsification_against_its_definition():
+    rng = np.random.default_rng(2)
+    error, confidence = rng.gamma(1, 1, 500), rng.gamma(1, 1, 500)
+    shares, kept = sparsification_curve(error, -confidence)
+    for share, mean in zip(shares, kept, strict=True):
+        count = round(share * 5)
+        assert mean == pytest.approx(error[np.argsort(-confidence)[:count]].mean())
+    assert shares[-1] == 100
+    assert kept[-1] == pytest.approx(error.mean())
+    assert (sparsification_curve(error, error)[1] <= kept + 1e-12).all()
