@@ -235,7 +235,7 @@ def _answers(e: RecognitionExperiment) -> Iterator[Markup]:
         yield section(
             f"Answers: {WORDS[split]}",
             *parts,
-            lead=f"The answers to each action: {action_evaluation.numbered(own['classes'])}.",
+            lead=f"The answers to each action: {action_evaluation.numbered(list(own['classes']))}.",
         )
 
 
