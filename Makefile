@@ -31,4 +31,4 @@ $(INSTALLED): pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $@
 
--include experiments/*/*.mk benchmarks/*.mk
+-include experiments/kit/kit.mk $(filter-out experiments/kit/kit.mk,$(wildcard experiments/*/*.mk)) benchmarks/benchmarks.mk

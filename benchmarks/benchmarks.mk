@@ -1,13 +1,26 @@
-# make benchmarks: ratios against peers and laws of growth, into build/benchmarks; needs the extra `bench`.
+# Ratios against peers and laws of growth, into build/benchmarks; needs the extra `bench`. benchmarks/README.md says what the tables mean.
+#   make benchmarks                   all of them, one after the other
+#   make benchmarks/fusion-solver     one: python -m benchmarks.fusion.solver
+# QUICK=1 takes smaller problems: it shows that everything runs. MOTIONS are the clips that those of chapter 5 learn from and name:
+# a folder of the layout of sample_data/motions, or a clips artefact, with ACTORS to choose settings on.
 
 BENCH := .venv/.bench
+BENCHMARKS := fusion-solver fusion-baselines fusion-scaling mocap-gibbs mocap-speed mocap-peers
+MOTIONS ?= sample_data/motions
+ACTORS ?= ann,bob
 
-.PHONY: benchmarks
+.PHONY: benchmarks $(BENCHMARKS:%=benchmarks/%)
 
+benchmarks/mocap-speed: GIVEN = --clips $(MOTIONS)
+benchmarks/mocap-peers: GIVEN = --clips $(MOTIONS) --development $(ACTORS)
+
+benchmark = $(BIN)/python -m benchmarks.$(subst -,.,$(1)) $(QUICKLY) $(GIVEN)
+$(BENCHMARKS:%=benchmarks/%): benchmarks/%: $(BENCH)
+	$(call benchmark,$*)
+
+# One make after the other, whatever -j says: what is measured side by side must not share the machine.
 benchmarks: $(BENCH)
-	$(BIN)/python -m benchmarks.fusion.solver
-	$(BIN)/python -m benchmarks.fusion.baselines
-	$(BIN)/python -m benchmarks.fusion.scaling
+	set -e; for each in $(BENCHMARKS); do $(MAKE) --no-print-directory -o $(BENCH) benchmarks/$$each; done
 
 $(BENCH): $(INSTALLED)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,bench]'

@@ -10,11 +10,9 @@ from __future__ import annotations
 
 import argparse
 import tempfile
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from importlib.util import find_spec
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -22,16 +20,18 @@ from typing import Any
 import numpy as np
 
 from benchmarks.fusion import tsdf
-from benchmarks.fusion.problem import Scene, open_scene
-from benchmarks.kit.measure import OUTPUT, isolated, publish, save, say
+from benchmarks.fusion.problem import FusionScene, open_scene
+from benchmarks.kit.arguments import add_generated, add_threads, parser_of, size_of
+from benchmarks.kit.measure import Clock, installed, isolated
+from benchmarks.kit.publish import publish, save, say
 
-WARM = {"count": 3, "shape": (48, 64)}  # what is compiled or loaded on the first call is not counted
+WARM: dict[str, Any] = {"count": 3, "shape": (48, 64)}  # what is compiled or loaded on the first call is not counted
 # share of the fullest map of its method that a map must have: empty ones must not decide where others are judged
 FULL = 0.95
 SEEDS = (1, (2, 3))  # generated scenes for the development and for the report
 
 
-def ours(scene: Scene, method: str) -> np.ndarray:
+def ours(scene: FusionScene, method: str) -> np.ndarray:
     """`fuse-depth` at its defaults."""
     from ipcli.models.fusion.fuse import fuse
     from ipcli.models.fusion.parameters import Fusion
@@ -39,7 +39,7 @@ def ours(scene: Scene, method: str) -> np.ndarray:
     return fuse(scene.views, scene.reference, Fusion(method=method), inverse=scene.inverse).depth
 
 
-def median(scene: Scene) -> np.ndarray:
+def median(scene: FusionScene) -> np.ndarray:
     """Of the reprojected observations."""
     from ipcli.models.fusion.reprojection import reproject_all
 
@@ -50,7 +50,7 @@ def median(scene: Scene) -> np.ndarray:
     return depth
 
 
-def rof(scene: Scene, weight: float) -> np.ndarray:
+def rof(scene: FusionScene, weight: float) -> np.ndarray:
     """scikit-image's ROF on the median, in units of its range; gaps filled with the nearest value first."""
     from scipy.ndimage import distance_transform_edt
     from skimage.restoration import denoise_tv_chambolle
@@ -61,7 +61,7 @@ def rof(scene: Scene, weight: float) -> np.ndarray:
     return (denoise_tv_chambolle((depth - low) / (high - low), weight=weight) * (high - low) + low).astype(np.float32)
 
 
-def voxels(scene: Scene, voxel: float, truncation: float) -> np.ndarray:
+def voxels(scene: FusionScene, voxel: float, truncation: float) -> np.ndarray:
     """Open3D's VoxelBlockGrid: side of a voxel in pixels at the median depth, truncation in voxels. A surface needs one
     observation: where more are asked for there are holes, and elsewhere the same depth.
     """
@@ -70,7 +70,7 @@ def voxels(scene: Scene, voxel: float, truncation: float) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Method:
+class BaselineMethod:
     """A way from a scene to a depth map, and the values that each of its parameters may take."""
 
     run: Callable[..., np.ndarray]
@@ -87,11 +87,13 @@ class Method:
 
 
 METHODS = {
-    "ipcli l1-adapt": Method(partial(ours, method="l1-adapt")),
-    "ipcli tgv-l1": Method(partial(ours, method="tgv-l1")),
-    "median": Method(median),
-    "scikit-image ROF on the median": Method(rof, {"weight": (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)}, "skimage"),
-    "Open3D VoxelBlockGrid": Method(
+    "ipcli l1-adapt": BaselineMethod(partial(ours, method="l1-adapt")),
+    "ipcli tgv-l1": BaselineMethod(partial(ours, method="tgv-l1")),
+    "median": BaselineMethod(median),
+    "scikit-image ROF on the median": BaselineMethod(
+        rof, {"weight": (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)}, "skimage"
+    ),
+    "Open3D VoxelBlockGrid": BaselineMethod(
         voxels, {"voxel": (1.0, 1.5, 2.0, 3.0, 4.0, 6.0), "truncation": (8.0, 16.0, 32.0, 64.0)}, "open3d"
     ),
 }
@@ -99,12 +101,12 @@ METHODS = {
 
 def fused(name: str, source: dict[str, Any], settings: Sequence[dict[str, Any]], folder: str) -> list[float]:
     """Save the depth maps of a method, one a setting; the seconds of each."""
-    method, scene, seconds = METHODS[name], open_scene(**source), []
+    method, scene, clock, seconds = METHODS[name], open_scene(**source), Clock(), []
     method.run(open_scene(**WARM), **settings[0])
     for index, setting in enumerate(settings):
-        started = time.perf_counter()
-        depth = method.run(scene, **setting)
-        seconds.append(time.perf_counter() - started)
+        with clock:
+            depth = method.run(scene, **setting)
+        seconds.append(clock.last)
         np.save(Path(folder) / f"{index}.npy", depth)
     return seconds
 
@@ -144,14 +146,20 @@ def errors(found: Mapping[str, list[tuple[float, np.ndarray]]], truth: np.ndarra
     }
 
 
+def truth_of(source: dict[str, Any]) -> np.ndarray:
+    """The true depth (h, w) of the reference; ValueError where it has none."""
+    scene = open_scene(**source)
+    if scene.reference.truth is None:
+        raise ValueError(f"{scene.name}: no truth to judge by")
+    return scene.reference.truth
+
+
 def tune(source: dict[str, Any], threads: int) -> tuple[dict[str, dict[str, Any]], list[dict[str, Any]]]:
     """The setting of each installed method with the least mean absolute error on a scene, and the rows of all
     settings.
     """
-    settings = {name: method.settings() for name, method in METHODS.items() if find_spec(method.package)}
-    for name in METHODS.keys() - settings.keys():
-        say(f"{name}: {METHODS[name].package} is not installed, skipped")
-    judged = errors(maps(source, settings, threads), open_scene(**source).reference.truth)
+    settings = {name: method.settings() for name, method in METHODS.items() if installed(name, method.package)}
+    judged = errors(maps(source, settings, threads), truth_of(source))
     best = {name: settings[name][int(np.nanargmin([row["MAE"] for row in rows]))] for name, rows in judged.items()}
     rows = [
         {
@@ -175,10 +183,13 @@ def report(
     for name, setting in best.items():
         scenes = [figures[name] for figures in judged]
         means = {key: float(np.mean([scene[key] for scene in scenes])) for key in scenes[0]}
-        spread = {"MAE, deviation": float(np.std([scene["MAE"] for scene in scenes], ddof=1)) if scenes[1:] else None}
+        spread: dict[str, Any] = {
+            "MAE, deviation": float(np.std([scene["MAE"] for scene in scenes], ddof=1)) if scenes[1:] else None
+        }
         edge = ", ".join(METHODS[name].at_edge(setting)) or None
         chosen = ", ".join(f"{key} {value:g}" for key, value in setting.items())
-        rows.append({"method": name, "setting": chosen or None, "at the edge of the grid": edge} | means | spread)
+        about = {"method": name, "setting": chosen or None, "at the edge of the grid": edge}
+        rows.append({**about, **means, **spread})
     return rows
 
 
@@ -196,7 +207,7 @@ def main(arguments: list[str] | None = None) -> None:
     for source in tests:
         say(open_scene(**source).name)
         found = maps(source, {name: [setting] for name, setting in best.items()}, options.threads)
-        figures = errors(found, open_scene(**source).reference.truth)
+        figures = errors(found, truth_of(source))
         judged.append({name: rows[0] for name, rows in figures.items()})
         facts["reported on"] = "; ".join(open_scene(**source).name for source in tests[: len(judged)])
         tables = {heading: report(best, judged), "Tuning": grid}
@@ -217,20 +228,17 @@ def sources(options: argparse.Namespace) -> tuple[dict[str, Any], list[dict[str,
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line; --quick is a quarter of the pixels."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__, "320 240 unless given otherwise")
     parser.add_argument("--tune", type=Path, help="a views artefact with a truth to choose the settings on")
     parser.add_argument(
         "--views", type=Path, nargs="+", help="views artefacts with a truth to report on; the middle view of each"
     )
-    parser.add_argument("--count", type=int, default=11, help="views to fuse")
-    parser.add_argument("--size", type=int, nargs=2, metavar=("WIDTH", "HEIGHT"), help="of generated views; 640 480")
-    parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--quick", action="store_true", help="320 240 unless given otherwise")
-    parser.add_argument("--output", type=Path, default=OUTPUT, help="folder for the tables")
+    add_generated(parser)
+    add_threads(parser)
     options = parser.parse_args(arguments)
     if bool(options.tune) != bool(options.views):
         parser.error("--tune and --views go together: no method is reported on the scene that it is tuned on")
-    options.size = options.size or ((320, 240) if options.quick else (640, 480))
+    options.size = size_of(options)
     return options
 
 

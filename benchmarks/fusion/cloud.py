@@ -9,9 +9,7 @@ its grid with the highest F-score on the development sequence.
 
 from __future__ import annotations
 
-import argparse
 import tempfile
-import time
 from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
@@ -20,7 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.fusion import tsdf
-from benchmarks.kit.measure import OUTPUT, isolated, publish, say
+from benchmarks.kit.arguments import add_threads, parser_of
+from benchmarks.kit.measure import Clock, isolated
+from benchmarks.kit.publish import publish, say
 
 if TYPE_CHECKING:
     from ipcli.measurements.views import View
@@ -40,9 +40,10 @@ def fused(views: str, folder: str, window: int, step: int) -> float:
     from ipcli.stages.fusion import fuse_depth
     from ipcli.stages.fusion.parameters import FuseDepth
 
-    started = time.perf_counter()
-    fuse_depth.run_all(Path(views), Path(folder), FuseDepth(window=window, every=True, step=step), Run())
-    return time.perf_counter() - started
+    clock = Clock()
+    with clock:
+        fuse_depth.run_all(Path(views), Path(folder), FuseDepth(window=window, every=True, step=step), Run())
+    return clock.last
 
 
 def merged(folder: str) -> float:
@@ -52,11 +53,11 @@ def merged(folder: str) -> float:
     from ipcli.stages.fusion import merge_depth
     from ipcli.stages.fusion.parameters import MergeDepth
 
-    started, cloud = time.perf_counter(), Path(folder) / "cloud.ply"
-    merge_depth.run(list(Path(folder).glob("*.fused.h5")), cloud, MergeDepth(), Run())
-    seconds = time.perf_counter() - started
+    clock, cloud = Clock(), Path(folder) / "cloud.ply"
+    with clock:
+        merge_depth.run(list(Path(folder).glob("*.fused.h5")), cloud, MergeDepth(), Run())
     np.save(Path(folder) / "cloud.npy", ply.read(cloud).vertices)
-    return seconds
+    return clock.last
 
 
 def volumes(views: str | None, folder: str, voxel: float, truncation: float, weights: Sequence[float]) -> list[float]:
@@ -64,13 +65,14 @@ def volumes(views: str | None, folder: str, voxel: float, truncation: float, wei
     weight; the seconds of each, its share of the integration in them.
     """
     loaded = _views(Path(views)) if views else _maps(Path(folder))
-    started = time.perf_counter()
-    grid = tsdf.volume(loaded, voxel, truncation)
-    integrated, seconds = time.perf_counter() - started, []
+    clock, seconds = Clock(), []
+    with clock:
+        grid = tsdf.volume(loaded, voxel, truncation)
+    integrated = clock.last
     for weight in weights:
-        started = time.perf_counter()
-        cloud = tsdf.points(grid, weight, 0.6 * NEAR)
-        seconds.append(integrated + time.perf_counter() - started)
+        with clock:
+            cloud = tsdf.points(grid, weight, 0.6 * NEAR)
+        seconds.append(integrated + clock.last)
         np.save(Path(folder) / f"cloud {weight}.npy", cloud)
     return seconds
 
@@ -90,23 +92,13 @@ def _maps(folder: Path) -> list[View]:
     return [View("", own.surface, own.intrinsics, own.cam_from_world) for own in maps]
 
 
-class Truth:
+class TrueSurface:
     """The back-projected truth of all views, in the world, to measure clouds by."""
 
     def __init__(self, views: Sequence[View]):
         from scipy.spatial import cKDTree
 
-        from ipcli.geometry.cameras import back_project, transform
-
-        points = np.concatenate(
-            [
-                transform(
-                    np.linalg.inv(view.cam_from_world),
-                    back_project(view.truth, view.intrinsics).reshape(-1, 3)[np.isfinite(view.truth).ravel()],
-                )
-                for view in views
-            ]
-        )
+        points = np.concatenate([_true_points(view) for view in views])
         self.sample = points[:: -(-len(points) // SAMPLE)]
         self.tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
 
@@ -125,9 +117,9 @@ class Truth:
                 "F-score %": 0.0,
                 "points": 0.0,
             }
-        distance = self.tree.query(cloud[:: -(-len(cloud) // SAMPLE)], workers=-1)[0]
+        distance = np.asarray(self.tree.query(cloud[:: -(-len(cloud) // SAMPLE)], workers=-1)[0])
         tree = cKDTree(cloud, balanced_tree=False, compact_nodes=False)
-        back = tree.query(self.sample, distance_upper_bound=NEAR, workers=-1)[0]
+        back = np.asarray(tree.query(self.sample, distance_upper_bound=NEAR, workers=-1)[0])
         precision, recall = float((distance <= NEAR).mean()), float(np.isfinite(back).mean())
         figures = {"mean": 1e3 * float(distance.mean()), "median": 1e3 * float(np.median(distance))}
         figures |= {"precision %": 100 * precision, "recall %": 100 * recall}
@@ -135,7 +127,17 @@ class Truth:
         return figures | {"F-score %": both, "points": float(len(cloud))}
 
 
-def tune(truth: Truth, method: str, views: str | None, folder: str, threads: int) -> list[dict[str, Any]]:
+def _true_points(view: View) -> np.ndarray:
+    """The back-projected truth (n, 3) of a view in the world; ValueError where it has none."""
+    from ipcli.geometry.cameras import back_project, transform
+
+    if view.truth is None:
+        raise ValueError(f"view {view.name}: no truth to judge by")
+    points = back_project(view.truth, view.intrinsics).reshape(-1, 3)
+    return transform(np.linalg.inv(view.cam_from_world), points[np.isfinite(view.truth).ravel()])
+
+
+def tune(truth: TrueSurface, method: str, views: str | None, folder: str, threads: int) -> list[dict[str, Any]]:
     """A row for each setting of the TSDF of the views, or of the fused maps in the folder."""
     rows, (voxels, truncations, weights) = [], GRIDS[method]
     for voxel, truncation in product(voxels, truncations):
@@ -158,7 +160,7 @@ def report(
     views: str, settings: dict[str, dict[str, float]], window: int, step: int, threads: int
 ) -> list[dict[str, Any]]:
     """Rows of ours and of the TSDFs at their settings."""
-    truth = Truth(_views(Path(views)))
+    truth = TrueSurface(_views(Path(views)))
     with tempfile.TemporaryDirectory() as folder:
         say("ipcli")
         fusing = isolated(
@@ -181,19 +183,18 @@ def report(
 
 def main(arguments: list[str] | None = None) -> None:
     """The tables."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument(
         "--tune", type=Path, required=True, help="views artefact with a truth to choose the settings on"
     )
     parser.add_argument("--views", type=Path, required=True, help="views artefact with a truth to report on")
     parser.add_argument("--window", type=int, default=7)
     parser.add_argument("--step", type=int, default=4)
-    parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--output", type=Path, default=OUTPUT)
+    add_threads(parser)
     chosen = parser.parse_args(arguments)
     development, views = str(chosen.tune.resolve()), str(chosen.views.resolve())
     same = {"window": chosen.window, "step": chosen.step, "threads": chosen.threads}
-    truth, tables = Truth(_views(Path(development))), {}
+    truth, tables = TrueSurface(_views(Path(development))), {}
     with tempfile.TemporaryDirectory() as folder:
         isolated(
             "benchmarks.fusion.cloud:fused",

@@ -17,7 +17,7 @@ LAMBDA = 0.3  # for all solvers; what `fuse-depth` takes for eleven observations
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class TgvProblem:
     """In units of the noise, as `fuse-depth` poses it with an even confidence."""
 
     layers: np.ndarray  # (K, h, w) float32, NaN = no observation
@@ -34,12 +34,12 @@ class Problem:
         from ipcli.inverse.regularize.fidelity import Observations
         from ipcli.models.fusion.pyramid import filled_median
 
-        return filled_median(Observations.of(self.layers))
+        return filled_median(Observations.of(list(self.layers)))
 
-    def crop(self, size: int) -> Problem:
+    def crop(self, size: int) -> TgvProblem:
         """The middle of it, at most `size` pixels on a side."""
         rows, columns = (slice(max((n - size) // 2, 0), (n + size) // 2) for n in self.shape)
-        return Problem(np.ascontiguousarray(self.layers[:, rows, columns]), self.lam, self.regulariser)
+        return TgvProblem(np.ascontiguousarray(self.layers[:, rows, columns]), self.lam, self.regulariser)
 
     def energy(self, x: np.ndarray, v: np.ndarray) -> float:
         """alpha1 |grad x - v| + alpha0 |E v| + lambda sum_k |x - d_k| in double precision, by plain NumPy."""
@@ -56,19 +56,19 @@ class Problem:
         return path
 
     @classmethod
-    def load(cls, path: Path) -> Problem:
+    def load(cls, path: Path) -> TgvProblem:
         """What `save` wrote."""
         with np.load(path) as arrays:
             return cls(arrays["layers"], float(arrays["lam"]))
 
 
-def pose(views: list[View], reference: View, *, inverse: bool) -> Problem:
+def pose(views: list[View], reference: View, *, inverse: bool) -> TgvProblem:
     """The problem of fusing these views."""
     from ipcli.models.fusion.observations import measure
     from ipcli.models.fusion.reprojection import reproject_all
 
     layers = reproject_all(views, reference).depth
-    return Problem(measure(layers, inverse=inverse).normalise(layers))
+    return TgvProblem(measure(layers, inverse=inverse).normalise(layers))
 
 
 def within(v: np.ndarray) -> np.ndarray:
@@ -79,7 +79,7 @@ def within(v: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class FusionScene:
     """Views to fuse, one of them the reference."""
 
     views: list[View]
@@ -94,13 +94,14 @@ def open_scene(
     count: int = 11,
     shape: tuple[int, int] = (480, 640),
     seed: int = 0,
-) -> Scene:
+) -> FusionScene:
     """`count` views of a `views` artefact around a reference, the middle one if not given; without one, generated from
     the seed.
     """
     if views is None:
-        made = scene.views(count, tuple(shape), seed)
-        return Scene(made, made[count // 2], False, f"generated, {shape[1]} x {shape[0]}, K = {count}, seed {seed}")
+        h, w = shape
+        made = scene.views(count, (h, w), seed)
+        return FusionScene(made, made[count // 2], False, f"generated, {w} x {h}, K = {count}, seed {seed}")
     from ipcli.io.views import layouts
     from ipcli.measurements.names import window
 
@@ -109,4 +110,4 @@ def open_scene(
     loaded = {name: sequence.load(name) for name in window(sequence.names, reference, count)}
     h, w = loaded[reference].depth.shape
     name = f"{Path(views).name}, reference {reference}, {w} x {h}, K = {len(loaded)}"
-    return Scene(list(loaded.values()), loaded[reference], sequence.measured == "disparity", name)
+    return FusionScene(list(loaded.values()), loaded[reference], sequence.measured == "disparity", name)

@@ -12,11 +12,14 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
-from benchmarks.kit.measure import OUTPUT, forget_peak, isolated, peak_memory, publish, save, say
+from benchmarks.kit.arguments import parser_of
+from benchmarks.kit.measure import Clock, attempted, best_of, exponent, forget_peak, isolated, peak_memory
+from benchmarks.kit.publish import publish, save, say
+from ipcli.measurements.views import View
 
 NAME, TITLE = "fusion_scaling", "Fusion: growth of time and memory"
 MIDDLE = (1.0, 11)  # Mpx and K that stay while the other one grows
@@ -36,12 +39,9 @@ def triad(threads: int) -> float:
     a, b, c = (np.full(STREAM, value) for value in (0.0, 1.0, 2.0))
     parts = [slice(STREAM * i // threads, STREAM * (i + 1) // threads) for i in range(threads)]
     with ThreadPoolExecutor(threads) as pool:
-        seconds = []
-        for _ in range(8):
-            started = time.perf_counter()
-            list(pool.map(lambda part: run(a[part], b[part], c[part]), parts))
-            seconds.append(time.perf_counter() - started)
-    return 3 * a.nbytes / min(seconds[1:]) / 1e9
+        list(pool.map(lambda part: run(a[part], b[part], c[part]), parts))  # compiles
+        seconds, _ = best_of(7, lambda: list(pool.map(lambda part: run(a[part], b[part], c[part]), parts)))
+    return 3 * a.nbytes / seconds / 1e9
 
 
 def _compiled_triad():
@@ -67,12 +67,15 @@ def iteration(shape: tuple[int, int], count: int) -> dict[str, float]:
     def prepare(shape):
         rng = np.random.default_rng(0)
         layers = np.stack([rng.standard_normal(shape, np.float32) for _ in range(count)])
-        return AbsoluteDeviations(Observations.of(layers), np.full(shape, 0.3, np.float32)), tgv.Iterate.at(layers[0])
+        return AbsoluteDeviations(Observations.of(list(layers)), np.full(shape, 0.3, np.float32)), tgv.Iterate.at(
+            layers[0]
+        )
 
     def advance(fidelity, iterate):
-        started = time.perf_counter()
-        iterate.advance(fidelity, Regulariser(), Solver(), [1.9] * TOGETHER)
-        return 1e3 * (time.perf_counter() - started) / TOGETHER
+        clock = Clock()
+        with clock:
+            iterate.advance(fidelity, Regulariser(), Solver(), [1.9] * TOGETHER)
+        return 1e3 * clock.last / TOGETHER
 
     advance(*prepare((64, 64)))
     fidelity, iterate = prepare(tuple(shape))
@@ -92,7 +95,7 @@ def fusion(shape: tuple[int, int], count: int) -> dict[str, float]:
 
     warm = scene.views(count, (64, 64))
     fuse(warm, warm[count // 2], Fusion(), inverse=False)
-    views = scene.views(count, tuple(shape))
+    views = scene.views(count, as_shape(shape))
     before = forget_peak()
     started, started_cpu = time.perf_counter(), time.process_time()
     fused = fuse(views, views[count // 2], Fusion(), inverse=False)
@@ -120,33 +123,42 @@ def tiled(shape: tuple[int, int], count: int) -> dict[str, float]:
     warm = scene.views(count, (64, 64))
     fuse(warm, warm[count // 2], Fusion(), inverse=False)
     with tempfile.TemporaryDirectory() as folder:
-        views = OnDisk(Path(folder), shape, count)
+        views = ViewsOnDisk(Path(folder), shape, count)
         reference, before = views[count // 2], forget_peak()
         started, started_cpu = time.perf_counter(), time.process_time()
         fused = tiles.fuse_in_tiles(views, reference, Fusion(), tiles.SIDE, inverse=False)
         seconds, cpu = time.perf_counter() - started, time.process_time() - started_cpu
     error = float(
-        np.nanmean(np.abs(fused.depth - scene.cast(tuple(shape), reference.intrinsics, reference.cam_from_world)))
+        np.nanmean(np.abs(fused.depth - scene.cast(as_shape(shape), reference.intrinsics, reference.cam_from_world)))
     )
     return {"seconds": seconds, "cpu": cpu, "memory": peak_memory() - before, "error": error}
 
 
-class OnDisk(Sequence):
+class ViewsOnDisk(Sequence[View]):
     """Views of the generated scene in files, read when they are asked for."""
 
     def __init__(self, folder: Path, shape: tuple[int, int], count: int):
         from benchmarks.fusion import scene
 
-        self.folder, self.cameras = folder, []
+        self.folder = folder
+        self.cameras: list[View] = []
         for k in range(count):
-            view = scene.view(k, count, tuple(shape))
+            view = scene.view(k, count, as_shape(shape))
             np.save(folder / f"{k}.npy", view.depth)
-            self.cameras.append(replace(view, depth=None, truth=None))
+            self.cameras.append(replace(view, depth=np.empty((0, 0), np.float32), truth=None))
 
     def __len__(self) -> int:
         return len(self.cameras)
 
-    def __getitem__(self, k: int) -> Any:
+    @overload
+    def __getitem__(self, k: int) -> View: ...
+
+    @overload
+    def __getitem__(self, k: slice) -> Sequence[View]: ...
+
+    def __getitem__(self, k: int | slice) -> View | Sequence[View]:
+        if isinstance(k, slice):
+            return [self[index] for index in range(*k.indices(len(self)))]
         return replace(self.cameras[k], depth=np.load(self.folder / f"{k}.npy"))
 
 
@@ -156,15 +168,20 @@ def in_tiles(cases: Sequence[tuple[float, int]], threads: int) -> list[dict[str,
     for megapixels, count in cases:
         say(f"{megapixels:g} Mpx, K = {count}, in tiles, threads: {threads}")
         row: dict[str, Any] = {"Mpx": megapixels, "K": count, "threads": threads}
-        try:
-            found = isolated("benchmarks.fusion.scaling:tiled", threads, shape=shape_of(megapixels), count=count)
-        except RuntimeError as error:
-            rows.append(row | {"failed": str(error)})
+        found = attempted("benchmarks.fusion.scaling:tiled", threads, shape=shape_of(megapixels), count=count)
+        if "failed" in found:
+            rows.append(row | found)
             continue
         row |= {"s": found["seconds"], "CPU s": found["cpu"], "MB": found["memory"]}
         row["one copy of the observations, MB"] = 4 * megapixels * count
         rows.append(row | {"mean error, 1e-3": 1e3 * found["error"]})
     return rows
+
+
+def as_shape(shape: Sequence[int]) -> tuple[int, int]:
+    """(h, w), whether it came as a tuple or, to another process, as a list."""
+    h, w = shape
+    return h, w
 
 
 def shape_of(megapixels: float) -> tuple[int, int]:
@@ -185,11 +202,12 @@ def measured(megapixels: float, count: int, threads: int) -> dict[str, Any]:
     say(f"{megapixels:g} Mpx, K = {count}, threads: {threads}")
     row: dict[str, Any] = {"Mpx": megapixels, "K": count, "threads": threads}
     arguments = {"shape": shape_of(megapixels), "count": count}
-    try:
-        one = isolated("benchmarks.fusion.scaling:iteration", threads, **arguments)
-        whole = isolated("benchmarks.fusion.scaling:fusion", threads, **arguments)
-    except RuntimeError as error:
-        return row | {"failed": str(error)}
+    one = attempted("benchmarks.fusion.scaling:iteration", threads, **arguments)
+    if "failed" in one:
+        return row | one
+    whole = attempted("benchmarks.fusion.scaling:fusion", threads, **arguments)
+    if "failed" in whole:
+        return row | whole
     numbers = megapixels * 1e6 * count
     row |= {"ms / iteration": one["ms"], "ns / observation": 1e6 * one["ms"] / numbers, "iteration MB": one["memory"]}
     row |= {
@@ -217,17 +235,11 @@ def exponents(rows: list[dict[str, Any]], middle: tuple[float, int]) -> list[dic
         for axis, (size, belongs) in axes.items():
             of_axis = [row for row in done if row["threads"] == threads and belongs(row)]
             slopes = {
-                quantity: _slope([size(row) for row in of_axis], [row[quantity] for row in of_axis])
+                quantity: exponent([size(row) for row in of_axis], [row[quantity] for row in of_axis])
                 for quantity in QUANTITIES
             }
             table.append({"threads": threads, "exponent against": axis} | slopes)
     return table
-
-
-def _slope(sizes: list[float], values: list[float]) -> float | None:
-    if len(set(sizes)) < 2 or min(values) <= 0:
-        return None
-    return float(np.polyfit(np.log(sizes), np.log(values), 1)[0])
 
 
 def bandwidth(rows: list[dict[str, Any]], speeds: dict[int, float]) -> list[dict[str, Any]]:
@@ -272,13 +284,9 @@ def main(arguments: list[str] | None = None) -> None:
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__, "0.1 0.3 Mpx and 3 11 views unless given otherwise; about half a minute")
     parser.add_argument("--pixels", type=float, nargs="+", help="sizes in Mpx; 0.3 1 3 12")
     parser.add_argument("--observations", type=int, nargs="+", help="numbers of views; 3 11 21 41")
-    parser.add_argument(
-        "--quick", action="store_true", help="0.1 0.3 Mpx and 3 11 views unless given otherwise; about half a minute"
-    )
-    parser.add_argument("--output", type=Path, default=OUTPUT, help="folder for the tables")
     options = parser.parse_args(arguments)
     options.pixels = tuple(options.pixels or ((0.1, 0.3) if options.quick else PIXELS))
     options.observations = tuple(options.observations or ((3, 11) if options.quick else OBSERVATIONS))

@@ -10,41 +10,19 @@ from __future__ import annotations
 import argparse
 import tempfile
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks.fusion.problem import Problem, open_scene, pose
+from benchmarks.fusion.problem import TgvProblem, open_scene, pose
 from benchmarks.fusion.solvers import NEEDS, RATIOS, SOLVERS
-from benchmarks.kit.measure import OUTPUT, Clock, forget_peak, isolated, peak_memory, publish, save, say
+from benchmarks.kit.arguments import add_generated, parser_of, size_of
+from benchmarks.kit.measure import Clock, forget_peak, installed, isolated, peak_memory
+from benchmarks.kit.publish import publish, save, say
 
-LOOKS = [
-    10,
-    20,
-    30,
-    40,
-    50,
-    70,
-    100,
-    130,
-    160,
-    200,
-    250,
-    300,
-    400,
-    500,
-    600,
-    700,
-    850,
-    1000,
-    1300,
-    1600,
-    2000,
-    2500,
-    3000,
-]
+FIRST_LOOKS = (10, 20, 30, 40, 50, 70, 100, 130, 160, 200, 250, 300, 400, 500, 600, 700, 850)
+LOOKS = (*FIRST_LOOKS, 1000, 1300, 1600, 2000, 2500, 3000)  # iterations after which the energy is taken
 SHOWN = (100, 300, 1000)  # iterations
 TARGETS = (1e-2, 1e-3)  # relative energy gaps
 TUNING = {"size": 160, "iterations": 300}  # the crop on which a step ratio is chosen, and for how many iterations
@@ -61,7 +39,7 @@ ROWS = {  # name: (solver, threads)
 
 def best_ratio(path: str, solver: str, size: int, iterations: int) -> float:
     """The step ratio with the lowest energy on a crop of the problem."""
-    crop = Problem.load(Path(path)).crop(size)
+    crop = TgvProblem.load(Path(path)).crop(size)
 
     def energy(ratio: float) -> float:
         at_work = SOLVERS[solver](crop, ratio)
@@ -72,11 +50,14 @@ def best_ratio(path: str, solver: str, size: int, iterations: int) -> float:
 
 
 def solve(path: str, solver: str, ratio: float | None, iterations: int) -> dict[str, Any]:
-    """Iterations, seconds and energy at each look, and peak memory above that of the data, in MB."""
-    problem = Problem.load(Path(path))
+    """Iterations, seconds and energy at each look, and peak memory above that of the data, in MB.
+
+    `ratio` is None for ours, which chooses its steps itself.
+    """
+    problem = TgvProblem.load(Path(path))
     SOLVERS[solver](problem.crop(64), ratio or 1.0).run(20)  # compiles, imports
     before = forget_peak()
-    at_work, clock, done, curve = SOLVERS[solver](problem, ratio), Clock(), 0, []
+    at_work, clock, done, curve = SOLVERS[solver](problem, ratio or 1.0), Clock(), 0, []
     peaks = []  # the first is the one that holds: afterwards the energy has taken memory of its own
     for look in [look for look in LOOKS if look <= iterations]:
         with clock:
@@ -91,7 +72,7 @@ def reference(path: str, iterations: int) -> dict[str, float]:
     """The lowest energy that our solver finds from the coarse-to-fine start, and its lower bound."""
     from ipcli.inverse.regularize.parameters import Solver
 
-    problem = Problem.load(Path(path))
+    problem = TgvProblem.load(Path(path))
     iterate, fidelity = _from_coarse(problem)
     energies, bounds = [], []
     for _ in range(8):
@@ -108,7 +89,7 @@ def certified(path: str, tolerance: float) -> dict[str, float]:
     from ipcli.inverse.regularize import tgv
     from ipcli.inverse.regularize.parameters import Solver
 
-    problem = Problem.load(Path(path))
+    problem = TgvProblem.load(Path(path))
     solver = replace(Solver(), tolerance=tolerance, iterations=5000)
     _from_coarse(problem.crop(128))[0]
     start, descent = Clock(), Clock()
@@ -120,22 +101,23 @@ def certified(path: str, tolerance: float) -> dict[str, float]:
     return found | {"start": start.total, "descent": descent.total}
 
 
-def _from_coarse(problem: Problem):
+def _from_coarse(problem: TgvProblem):
     from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Observations
     from ipcli.inverse.regularize.parameters import Solver
     from ipcli.models.fusion.pyramid import start
 
-    fidelity = AbsoluteDeviations(Observations.of(problem.layers), np.full(problem.shape, problem.lam, np.float32))
+    fidelity = AbsoluteDeviations(
+        Observations.of(list(problem.layers)), np.full(problem.shape, problem.lam, np.float32)
+    )
     iterate = start(problem.layers, problem.lam, problem.regulariser, Solver(), Solver().levels)
     return iterate, fidelity
 
 
 def race(path: Path, iterations: int) -> Iterator[tuple[str, dict[str, Any]]]:
     """What `solve` found for each row of the table, with its step ratio, as soon as it is known."""
-    ratios = {"ours": None}
+    ratios: dict[str, float | None] = {"ours": None}
     for name, (solver, threads) in ROWS.items():
-        if solver in NEEDS and find_spec(NEEDS[solver]) is None:
-            say(f"{name}: {NEEDS[solver]} is not installed, skipped")
+        if not installed(name, NEEDS.get(solver, "ipcli")):
             continue
         say(name)
         if solver not in ratios:
@@ -159,8 +141,9 @@ def rows_of(runs: dict[str, dict[str, Any]], lowest: float) -> list[dict[str, An
 
 def _row(name: str, run: dict[str, Any], lowest: float, ours: dict[str, float]) -> dict[str, Any]:
     curve = [(look, total, energy / lowest - 1) for look, _, total, energy in run["curve"]]
-    row = {"solver": name, "step ratio": run["ratio"] or "own", "ms / iteration": _milliseconds(run)}
-    row |= {column: row["ms / iteration"] / milliseconds for column, milliseconds in ours.items()}
+    own = _milliseconds(run)
+    row: dict[str, Any] = {"solver": name, "step ratio": run["ratio"] or "own", "ms / iteration": own}
+    row |= {column: own / milliseconds for column, milliseconds in ours.items()}
     row |= {f"gap at {look}": next((gap for n, _, gap in curve if n == look), None) for look in SHOWN}
     for target in TARGETS:
         n, seconds = _reached(curve, target)
@@ -198,9 +181,8 @@ def start_rows(path: Path, lowest: float) -> list[dict[str, Any]]:
 def main(arguments: list[str] | None = None) -> None:
     """Measure, write whatever is measured, print."""
     options = parse(arguments)
-    scene = open_scene(
-        options.views and str(options.views), options.reference, options.count, (options.size[1], options.size[0])
-    )
+    views = str(options.views) if options.views else None
+    scene = open_scene(views, options.reference, options.count, options.size[::-1])
     problem = pose(scene.views, scene.reference, inverse=scene.inverse)
     title, tables, runs = "Fusion: solvers", {}, {}
     with tempfile.TemporaryDirectory() as folder:
@@ -220,18 +202,13 @@ def main(arguments: list[str] | None = None) -> None:
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line; --quick is a quarter of the pixels and a third of the iterations."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__, "320 240 and 300 unless given otherwise")
     parser.add_argument("--views", type=Path, help="a views artefact in place of the generated scene")
     parser.add_argument("--reference", help="its reference view; the middle one if not given")
-    parser.add_argument("--count", type=int, default=11, help="views to fuse")
-    parser.add_argument(
-        "--size", type=int, nargs=2, metavar=("WIDTH", "HEIGHT"), help="of the generated views; 640 480"
-    )
     parser.add_argument("--iterations", type=int, help="of each solver; 1000")
-    parser.add_argument("--quick", action="store_true", help="320 240 and 300 unless given otherwise")
-    parser.add_argument("--output", type=Path, default=OUTPUT, help="folder for the tables")
+    add_generated(parser)
     options = parser.parse_args(arguments)
-    options.size = options.size or ((320, 240) if options.quick else (640, 480))
+    options.size = size_of(options)
     options.iterations = options.iterations or (300 if options.quick else 1000)
     return options
 

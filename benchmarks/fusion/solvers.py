@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from benchmarks.fusion.problem import Problem, within
+from benchmarks.fusion.problem import TgvProblem, within
 from ipcli.inverse.regularize.operators import (
     NORM,
     gradient,
@@ -27,7 +27,7 @@ RATIOS = (0.3, 1.0, 3.0, 10.0, 30.0)
 SHARE = 0.99  # of the longest steps that are proven to converge
 
 
-class Solver(Protocol):
+class SolverAtWork(Protocol):
     """A solver at work."""
 
     def run(self, iterations: int) -> None:
@@ -42,7 +42,7 @@ def steps(norm: float, ratio: float) -> tuple[float, float]:
     return float(SHARE / (norm * ratio)), float(SHARE * ratio / norm)
 
 
-def dualised_norm(problem: Problem) -> float:
+def dualised_norm(problem: TgvProblem) -> float:
     """Of (x, v) -> (grad x - v, E v, x, ..., x)."""
     return float(np.sqrt(NORM**2 + len(problem.layers)))
 
@@ -50,29 +50,29 @@ def dualised_norm(problem: Problem) -> float:
 class Ours:
     """`inverse.regularize.tgv` as it comes: it chooses its steps itself."""
 
-    def __init__(self, problem: Problem, ratio: None = None):
+    def __init__(self, problem: TgvProblem, ratio: float | None = None):
         from ipcli.inverse.regularize.fidelity import AbsoluteDeviations, Observations
         from ipcli.inverse.regularize.parameters import Solver as Settings
         from ipcli.inverse.regularize.tgv import Iterate
 
         scale = np.full(problem.shape, problem.lam, np.float32)
-        self.fidelity = AbsoluteDeviations(Observations.of(problem.layers), scale)
+        self.fidelity = AbsoluteDeviations(Observations.of(list(problem.layers)), scale)
         self.regulariser = problem.regulariser
         self.iterate = Iterate.at(problem.start())
         self.settings = self.iterate.balanced(Settings())
 
-    def run(self, iterations):
+    def run(self, iterations: int) -> None:
         relaxations = [self.settings.relaxation] * (iterations - 1) + [1.0]
         self.iterate.advance(self.fidelity, self.regulariser, self.settings, relaxations)
 
-    def solution(self):
+    def solution(self) -> tuple[np.ndarray, np.ndarray]:
         return self.iterate.x, self.iterate.v
 
 
 class Thesis:
     """Algorithm 4.3: the K data terms dualised, in NumPy, from `operators` and `pdhg`."""
 
-    def __init__(self, problem: Problem, ratio: float):
+    def __init__(self, problem: TgvProblem, ratio: float):
         self.present = np.isfinite(problem.layers)
         self.data = np.where(self.present, problem.layers, np.float32(0))
         self.lam, self.regulariser = problem.lam, problem.regulariser
@@ -94,7 +94,7 @@ class Thesis:
         q = project_balls(y[2:5], self.regulariser.alpha0, (1, 1, 2))
         return np.concatenate([p, q, np.clip(y[5:] - sigma * self.data, -self.lam, self.lam)])
 
-    def run(self, iterations):
+    def run(self, iterations: int) -> None:
         from ipcli.inverse.regularize.pdhg import pdhg
 
         self.x, self.y = pdhg(
@@ -109,7 +109,7 @@ class Thesis:
             iterations=iterations,
         )
 
-    def solution(self):
+    def solution(self) -> tuple[np.ndarray, np.ndarray]:
         return self.x[0], self.x[1:]
 
 
@@ -126,10 +126,10 @@ class _Pyproximal:
         self.solver = PrimalDual()
         self.state = self.solver.setup(of_primal, of_dual, operator, start.ravel(), tau, sigma, gfirst=False)
 
-    def run(self, iterations):
+    def run(self, iterations: int) -> None:
         self.state = self.solver.run(*self.state, niter=self.solver.iiter + iterations)
 
-    def solution(self):
+    def solution(self) -> tuple[np.ndarray, np.ndarray]:
         x = self.state[0].reshape(3, *self.shape)
         return x[0], x[1:]
 
@@ -137,7 +137,7 @@ class _Pyproximal:
 class PyproximalStacked(_Pyproximal):
     """As its documentation builds such a problem: pylops operators in blocks, its own L21 and L1 for all terms."""
 
-    def __init__(self, problem: Problem, ratio: float):
+    def __init__(self, problem: TgvProblem, ratio: float):
         import pylops
         import pyproximal
 
@@ -158,7 +158,7 @@ class PyproximalTuned(_Pyproximal):
     all.
     """
 
-    def __init__(self, problem: Problem, ratio: float):
+    def __init__(self, problem: TgvProblem, ratio: float):
         import pylops
         import pyproximal
 
@@ -289,7 +289,7 @@ def _sorted_deviations(problem):
 class Odl:
     """ODL's pdhg, the problem from its operators and functionals."""
 
-    def __init__(self, problem: Problem, ratio: float):
+    def __init__(self, problem: TgvProblem, ratio: float):
         import odl
 
         h, w = problem.shape
@@ -302,13 +302,13 @@ class Odl:
         self.x_relax, self.y = self.x.copy(), self.operator.range.zero()
         self.tau, self.sigma = steps(dualised_norm(problem), ratio)
 
-    def run(self, iterations):
+    def run(self, iterations: int) -> None:
         from odl.solvers import pdhg
 
         resume = {"x_relax": self.x_relax, "y": self.y}
         pdhg(self.x, self.of_primal, self.of_dual, self.operator, iterations, self.tau, self.sigma, **resume)
 
-    def solution(self):
+    def solution(self) -> tuple[np.ndarray, np.ndarray]:
         image, *slopes = (part.asarray() for part in self.x)
         return image, np.stack(slopes)
 
@@ -345,7 +345,7 @@ def _odl_terms(pixels, problem):
     return odl.BroadcastOperator(slope, curvature, *masks), [*norms, *data]
 
 
-SOLVERS: dict[str, Callable[[Problem, float | None], Solver]] = {
+SOLVERS: dict[str, Callable[[TgvProblem, float], SolverAtWork]] = {
     "ours": Ours,
     "thesis": Thesis,
     "pyproximal": PyproximalStacked,

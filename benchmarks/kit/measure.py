@@ -1,4 +1,4 @@
-"""Measuring and telling: a function in a process of its own, its peak memory, and tables as JSON and Markdown."""
+"""Measuring: a function in a process of its own, its peak memory, its seconds, the law of their growth."""
 
 from __future__ import annotations
 
@@ -7,14 +7,19 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+import numpy as np
+
+from benchmarks.kit.publish import say
+
+T = TypeVar("T")
 ROOT = Path(__file__).resolve().parents[2]
-OUTPUT = ROOT / "build" / "benchmarks"
 THREAD_VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -30,6 +35,22 @@ def isolated(function: str, threads: int, /, **arguments: Any) -> Any:
         said = done.stderr.strip().splitlines() or [f"ended with {done.returncode}"]
         raise RuntimeError(f"{function}: {said[-1]}")
     return json.loads(done.stdout.splitlines()[-1])
+
+
+def attempted(function: str, threads: int, /, **arguments: Any) -> dict[str, Any]:
+    """The row that `isolated` returns, or one that says why it failed, for tables that go on with the next case."""
+    try:
+        return isolated(function, threads, **arguments)
+    except RuntimeError as error:
+        return {"failed": str(error)}
+
+
+def installed(name: str, package: str) -> bool:
+    """Whether a peer's package is there; says that the peer is left out if it is not."""
+    there = find_spec(package) is not None
+    if not there:
+        say(f"{name}: {package} is not installed, skipped")
+    return there
 
 
 def _path() -> str:
@@ -74,92 +95,21 @@ class Clock:
         self.total += self.last
 
 
-def say(text: str) -> None:
-    """A line of progress on stderr."""
-    print(text, file=sys.stderr, flush=True)
+def best_of(runs: int, work: Callable[[], T]) -> tuple[float, T]:
+    """The least seconds of several runs, and what the last one returned."""
+    clock, seconds = Clock(), []
+    for _ in range(runs):
+        with clock:
+            found = work()
+        seconds.append(clock.last)
+    return min(seconds), found
 
 
-def table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """A Markdown table with the keys of the rows as columns."""
-    columns = list(dict.fromkeys(key for row in rows for key in row))
-    cells = [columns, ["---"] * len(columns), *([_cell(row.get(column)) for column in columns] for row in rows)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in cells)
-
-
-def _cell(value: Any) -> str:
-    if value is None:
-        return "-"
-    return (
-        f"{value:.3g}"
-        if isinstance(value, float) and not 100 <= abs(value) < 1e6
-        else f"{value:.0f}"
-        if isinstance(value, float)
-        else str(value)
-    )
-
-
-def publish(
-    name: str, title: str, tables: Mapping[str, Sequence[Mapping[str, Any]]], facts: Mapping[str, Any], output: Path
-) -> None:
-    """Write NAME.json and NAME.md into the folder and print the latter; `facts` say how it was measured."""
-    print(save(name, title, tables, facts, output))
-
-
-def save(
-    name: str, title: str, tables: Mapping[str, Sequence[Mapping[str, Any]]], facts: Mapping[str, Any], output: Path
-) -> str:
-    """The same without printing, for what is measured so far; the text of NAME.md."""
-    from ipcli.io.files import atomic
-
-    facts = machine() | dict(facts)
-    lines = [f"# {title}", "", *(f"- {key}: {_cell(value)}" for key, value in facts.items())]
-    for heading, rows in tables.items():
-        lines += ["", f"## {heading}", "", table(rows)]
-    text = "\n".join(lines)
-    output.mkdir(parents=True, exist_ok=True)
-    atomic.write_text(output / f"{name}.json", json.dumps({"facts": facts, "tables": tables}, indent=1) + "\n")
-    atomic.write_text(output / f"{name}.md", text + "\n")
-    return text
-
-
-def machine() -> dict[str, Any]:
-    """What the figures depend on: processor, load by others, versions."""
-    import platform
-    from importlib import metadata
-
-    load = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
-    known = {item.metadata["Name"].lower(): item.version for item in metadata.distributions()}
-    names = (
-        "numpy",
-        "numba",
-        "pylops",
-        "pyproximal",
-        "odl",
-        "scikit-image",
-        "scikit-learn",
-        "aeon",
-        "open3d-cpu",
-        "open3d",
-    )
-    return {
-        "time": time.strftime("%Y-%m-%d %H:%M:%S"),
-        "processor": f"{_processor()}, {os.cpu_count()} logical",
-        "load at the end (1 min, our own included)": load,
-        "python": platform.python_version(),
-        "libraries": ", ".join(f"{name} {known[name]}" for name in names if name in known),
-    }
-
-
-def _processor() -> str:
-    import platform
-
-    info = Path("/proc/cpuinfo")
-    models = (
-        [line.split(":")[1].strip() for line in info.read_text().splitlines() if line.startswith("model name")]
-        if info.exists()
-        else []
-    )
-    return models[0] if models else platform.processor() or platform.machine()
+def exponent(sizes: Sequence[float], values: Sequence[float]) -> float | None:
+    """The exponent of the law of growth by least squares on logarithms, 1 if linear; None where it cannot be told."""
+    if len(set(sizes)) < 2 or min(values) <= 0:
+        return None
+    return float(np.polyfit(np.log(sizes), np.log(values), 1)[0])
 
 
 def main() -> None:

@@ -7,14 +7,14 @@ Each row runs in a process of its own, on one thread; see README.md for what the
 
 from __future__ import annotations
 
-import argparse
-from importlib.util import find_spec
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from benchmarks.kit.measure import OUTPUT, Clock, isolated, publish, say
+from benchmarks.kit.arguments import parser_of
+from benchmarks.kit.measure import Clock, attempted, best_of, installed, isolated
+from benchmarks.kit.publish import publish, say
 
 CASES = ((800, 10, 7), (2000, 20, 7), (800, 10, 20), (800, 10, 50))  # points, planted clusters, dimensions
 HELD_OUT = 2000
@@ -134,8 +134,6 @@ def learn_one(name: str, sweeps: int) -> int:
 
 def many(models: int, sweeps: int) -> list[dict[str, Any]]:
     """Seconds for so many models, by one process and by two, start of the processes included."""
-    from functools import partial
-
     from ipcli.executor import map_items
 
     rows, names = [], [str(number) for number in range(models)]
@@ -160,17 +158,15 @@ def density(n: int, k: int, d: int) -> list[dict[str, Any]]:
     frames, rows = np.tile(rest, (10, 1)), []
     predictive.log_density(rest)
     for draws in DRAWS:
-        few, clock, seconds = predictive.thinned(draws), Clock(), []
-        for _ in range(3):
-            with clock:
-                found = few.log_density(frames)
-            seconds.append(clock.last / len(frames))
+        few = predictive.thinned(draws)
+        took, found = best_of(3, partial(few.log_density, frames))
+        seconds = took / len(frames)
         rows.append(
             {
                 "draws": draws,
                 "components": len(few.dof),
-                "ns a point and component": 1e9 * min(seconds) / len(few.dof),
-                f"million points a minute, {MODELS} models": 60 / (min(seconds) * MODELS) / 1e6,
+                "ns a point and component": 1e9 * seconds / len(few.dof),
+                f"million points a minute, {MODELS} models": 60 / (seconds * MODELS) / 1e6,
                 "held-out log density": float(found.mean()),
             }
         )
@@ -180,27 +176,21 @@ def density(n: int, k: int, d: int) -> list[dict[str, Any]]:
 def compare(cases: tuple[tuple[int, int, int], ...], sweeps: int) -> dict[str, list[dict[str, Any]]]:
     """A table a case, a row a method."""
     methods = {"ipcli, sweeps alone": "our_sweep", "ipcli, whole fit": "ours"}
-    methods |= {title: module for title, module in PEERS.items() if find_spec(module)}
-    tables = {}
+    methods |= {title: module for title, module in PEERS.items() if installed(title, module)}
+    tables: dict[str, list[dict[str, Any]]] = {}
     for n, k, d in cases:
         heading = f"{n} points, {k} planted clusters, {d} dimensions"
         tables[heading] = []
         for title, function in methods.items():
             say(f"{heading}: {title}")
-            try:
-                row = isolated(f"benchmarks.mocap.gibbs:{function}", 1, n=n, k=k, d=d, sweeps=sweeps)
-            except RuntimeError as error:
-                row = {"failed": str(error)}
+            row = attempted(f"benchmarks.mocap.gibbs:{function}", 1, n=n, k=k, d=d, sweeps=sweeps)
             tables[heading].append({"method": title} | row)
     return tables
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Measure, write and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="one small case, few models")
-    parser.add_argument("--output", type=Path, default=OUTPUT)
-    options = parser.parse_args(arguments)
+    options = parser_of(__doc__, "one small case, few models").parse_args(arguments)
     cases, sweeps, models = (((200, 4, 3),), 20, 4) if options.quick else (CASES, SWEEPS, MODELS)
     tables = compare(cases, sweeps)
     say(f"{models} models")

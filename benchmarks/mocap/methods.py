@@ -22,6 +22,9 @@ Clips = Sequence[np.ndarray]
 class FrameWise:
     """Scores of single frames, added up over those of a clip: the order of frames plays no part."""
 
+    model: Any
+    classes: np.ndarray
+
     def fit(self, clips: Clips, labels: np.ndarray) -> None:
         self.classes = np.unique(labels)
         frames = np.concatenate([flat(clip) for clip in clips])
@@ -31,6 +34,10 @@ class FrameWise:
         """Of all clips at once, as that is what these classifiers do best."""
         scores = self.log_probabilities(np.concatenate([flat(clip) for clip in clips]))
         return np.split(scores, np.cumsum([len(clip) for clip in clips])[:-1])
+
+    def log_probabilities(self, frames: np.ndarray) -> np.ndarray:
+        """Log probabilities (n, classes) of frames (n, d)."""
+        raise NotImplementedError
 
     def answer(self, clips: Clips) -> np.ndarray:
         return self.classes[[self.pool(scores).argmax() for scores in self.frame_scores(clips)]]

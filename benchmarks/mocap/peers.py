@@ -11,60 +11,63 @@ on the development splits; all else is reported once at that setting.
 
 from __future__ import annotations
 
-import argparse
-import time
 from collections.abc import Iterator, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from benchmarks.kit.measure import OUTPUT, isolated, publish, say
+from benchmarks.kit.arguments import parser_of
+from benchmarks.kit.measure import Clock, installed, isolated
+from benchmarks.kit.publish import publish, say
 from benchmarks.mocap.methods import METHODS, NEEDS
-from benchmarks.mocap.problem import Problem, loose, open_problem
+from benchmarks.mocap.problem import LabelledClips, loose, open_problem
 
 HANDFULS = (20, 5, 1)  # unordered frames of a clip
 SAMPLES = 3  # handfuls from each clip
 WARM = 12  # clips with which a method is tried before it is timed
 
 
-class Split(NamedTuple):
+class SplitOfClips(NamedTuple):
     """Which clips are learnt from, and which are recognised."""
 
     train: np.ndarray  # (n,) bool
     test: np.ndarray
 
 
-def subjects(actors: np.ndarray, known: Sequence[str]) -> Split:
+def subjects(actors: np.ndarray, known: Sequence[str]) -> SplitOfClips:
     """Some actors against all others."""
     inside = np.isin(actors, known)
-    return Split(inside, ~inside)
+    return SplitOfClips(inside, ~inside)
 
 
-def leave_one_out(actors: np.ndarray) -> list[Split]:
+def leave_one_out(actors: np.ndarray) -> list[SplitOfClips]:
     """Each actor against all the others."""
-    return [Split(actors != one, actors == one) for one in np.unique(actors)]
+    return [SplitOfClips(actors != one, actors == one) for one in np.unique(actors)]
 
 
-def one_to_rest(actors: np.ndarray) -> list[Split]:
+def one_to_rest(actors: np.ndarray) -> list[SplitOfClips]:
     """All others by one actor."""
-    return [Split(test, train) for train, test in leave_one_out(actors)]
+    return [SplitOfClips(test, train) for train, test in leave_one_out(actors)]
 
 
-def published(splits: Sequence[np.ndarray]) -> list[Split]:
+def published(splits: Sequence[np.ndarray]) -> list[SplitOfClips]:
     """Splits that came with the data: 1 to learn from, 2 to recognise."""
-    return [Split(split == 1, split == 2) for split in splits]
+    return [SplitOfClips(split == 1, split == 2) for split in splits]
 
 
-def protocols(problem: Problem, development: Sequence[str], spared: int) -> tuple[list[Split], dict[str, list[Split]]]:
+def protocols(
+    problem: LabelledClips, development: Sequence[str], spared: int
+) -> tuple[list[SplitOfClips], dict[str, list[SplitOfClips]]]:
     """The splits to choose settings on, and those to report by their names."""
     if problem.splits:
         every = published(problem.splits)
         return every[:spared], {"published": every, f"published, without the first {spared}": every[spared:]}
     inside = np.isin(problem.actors, development)
     chosen = [
-        Split(train & inside, test & inside) for train, test in leave_one_out(problem.actors) if (test & inside).any()
+        SplitOfClips(train & inside, test & inside)
+        for train, test in leave_one_out(problem.actors)
+        if (test & inside).any()
     ]
     return chosen, {
         "subjects": [subjects(problem.actors, development)],
@@ -73,7 +76,7 @@ def protocols(problem: Problem, development: Sequence[str], spared: int) -> tupl
     }
 
 
-def queries(problem: Problem, split: Split, kind: str | int) -> Iterator[tuple[int, np.ndarray]]:
+def queries(problem: LabelledClips, split: SplitOfClips, kind: str | int) -> Iterator[tuple[int, np.ndarray]]:
     """(clip, frames) of each question: whole clips, whole clips with their frames shuffled, or handfuls of so many
     frames.
     """
@@ -88,7 +91,7 @@ def queries(problem: Problem, split: Split, kind: str | int) -> Iterator[tuple[i
 
 
 def measure(
-    problem: Problem, name: str, setting: dict[str, Any], split: Split, kinds: Sequence[str | int]
+    problem: LabelledClips, name: str, setting: dict[str, Any], split: SplitOfClips, kinds: Sequence[str | int]
 ) -> dict[str, float]:
     """Seconds to learn and to answer for the whole clips, and the share of right answers of each kind of question."""
     setting = dict(setting)
@@ -97,23 +100,25 @@ def measure(
     images = [problem.described(by, split.train, mirror=True)] if mirror else []
     method = METHODS[name][0](**setting)
     train = np.flatnonzero(split.train)
-    started = time.perf_counter()
-    method.fit([shown[i] for shown in (clips, *images) for i in train], np.tile(problem.labels[train], 1 + len(images)))
-    found = {"train s": time.perf_counter() - started}
+    clock = Clock()
+    with clock:
+        method.fit(
+            [shown[i] for shown in (clips, *images) for i in train], np.tile(problem.labels[train], 1 + len(images))
+        )
+    found = {"train s": clock.last}
     for kind in kinds:
         asked = list(queries(problem, split, kind))
         truth = problem.labels[[clip for clip, _ in asked]]
-        started = time.perf_counter()
-        answers = method.answer(
-            [clips[clip] if kind == "whole" else loose(clips[clip][frames]) for clip, frames in asked]
-        )
+        questions = [clips[clip] if kind == "whole" else loose(clips[clip][frames]) for clip, frames in asked]
+        with clock:
+            answers = method.answer(questions)
         if kind == "whole":
-            found["query s"] = time.perf_counter() - started
+            found["query s"] = clock.last
         found[str(kind)] = float(np.mean(answers == truth))
     return found | _frames(method, problem, clips, split)
 
 
-def _frames(method: Any, problem: Problem, clips: list[np.ndarray], split: Split) -> dict[str, float]:
+def _frames(method: Any, problem: LabelledClips, clips: list[np.ndarray], split: SplitOfClips) -> dict[str, float]:
     if not hasattr(method, "frame_scores"):
         return {}
     test = np.flatnonzero(split.test)
@@ -131,11 +136,13 @@ def over(found: Sequence[dict[str, float]]) -> dict[str, Any]:
     return {key: float(values.mean()) for key, values in table.items()} | spread
 
 
-def judged(clips: str, name: str, development: list[str], spared: int, mirror: bool = False) -> dict[str, Any]:
+def judged(
+    clips: str, name: str, development: list[str], spared: int, mirror: bool = False, quick: bool = False
+) -> dict[str, Any]:
     """The best setting of a method and its figures on every protocol, in this process."""
     problem = open_problem(Path(clips), published=bool(spared))
     chosen, reported = protocols(problem, development, spared)
-    grid = METHODS[name][1]
+    grid = METHODS[name][1][:1] if quick else METHODS[name][1]
     grid = tuple(setting | {"mirror": mirror} for mirror in (False, True) for setting in grid) if mirror else grid
     _warm_up(problem, name, grid[0])
     tried = [
@@ -150,11 +157,11 @@ def judged(clips: str, name: str, development: list[str], spared: int, mirror: b
     return {"setting": grid[best], "development": tried[best], "figures": figures}
 
 
-def _warm_up(problem: Problem, name: str, setting: dict[str, Any]) -> None:
+def _warm_up(problem: LabelledClips, name: str, setting: dict[str, Any]) -> None:
     """What is compiled or loaded at the first call is not counted."""
     few = np.concatenate([np.flatnonzero(problem.labels == label)[:4] for label in problem.classes[:3]])[:WARM]
     chosen = np.isin(np.arange(len(problem.labels)), few)
-    measure(problem, name, setting, Split(chosen, chosen), ("whole",))
+    measure(problem, name, setting, SplitOfClips(chosen, chosen), ("whole",))
 
 
 def rows(found: dict[str, dict[str, Any]], protocol: str) -> list[dict[str, Any]]:
@@ -182,7 +189,7 @@ def _told(figures: dict[str, float], key: str) -> str | None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run every method that is installed and publish a table a protocol."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__, "each method at the first setting of its grid")
     parser.add_argument("--clips", type=Path, required=True, help="clips artefact of a data set")
     parser.add_argument("--name", default="", help="of the table; that of the clips if not given")
     parser.add_argument("--development", default="", help="actors to choose settings on, such as bd,bk,dg")
@@ -196,7 +203,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
         help="let every method learn the mirror image of each clip as well, if that is better",
     )
     parser.add_argument("--methods", nargs="*", default=list(METHODS), help="only these")
-    parser.add_argument("--output", type=Path, default=OUTPUT)
     given = parser.parse_args(arguments)
     development, spared = (
         [name for name in given.development.split(",") if name],
@@ -204,8 +210,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     found = {}
     for name in given.methods:
-        if find_spec(NEEDS.get(name, "sklearn")) is None:
-            say(f"{name}: {NEEDS.get(name, 'sklearn')} is not installed, skipped")
+        if not installed(name, NEEDS.get(name, "sklearn")):
             continue
         say(name)
         question = {
@@ -214,6 +219,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             "development": development,
             "spared": spared,
             "mirror": given.mirror,
+            "quick": given.quick,
         }
         found[name] = isolated("benchmarks.mocap.peers:judged", 1, **question)
     stem = given.name or given.clips.name.split(".")[0]

@@ -18,7 +18,7 @@ RATE = 30.0  # Hz
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class LabelledClips:
     """Clips of one skeleton, their labels and actors, and the splits that came with them."""
 
     motions: Motions
@@ -99,8 +99,8 @@ def filled(positions: np.ndarray) -> np.ndarray:
     return found
 
 
-def open_problem(path: Path, *, published: bool) -> Problem:
+def open_problem(path: Path, *, published: bool) -> LabelledClips:
     """The clips of an artefact, with the splits that came with them if wanted."""
     motions = read([path], Reading(rate=RATE), "auto")
     labels = np.array([clip.label for clip in motions.clips], np.str_)
-    return Problem(motions, labels, motions.actors, list(motions.splits.values()) if published else [])
+    return LabelledClips(motions, labels, motions.actors, list(motions.splits.values()) if published else [])

@@ -8,7 +8,6 @@ Each row is a process of its own; see README.md for what the tables say.
 
 from __future__ import annotations
 
-import argparse
 import os
 import tempfile
 import time
@@ -18,7 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.kit.measure import OUTPUT, forget_peak, isolated, peak_memory, publish, say
+from benchmarks.kit.arguments import parser_of
+from benchmarks.kit.measure import best_of, exponent, forget_peak, isolated, peak_memory
+from benchmarks.kit.publish import publish, say
 
 MODELS = {  # 6, 7 and 8 mixtures an action
     "groups alone": ("--set", "learning.features.body=false", "--motion", "0"),
@@ -84,24 +85,14 @@ def answered(model: str, clips: str) -> list[dict[str, Any]]:
     skeleton = Skeleton(tuple(map(str, arrays["joints"])), tuple(map(int, arrays["parents"])))
     known = motions.read([Path(clips)], motions.Reading(), groups, skeleton)
     count = int(known.lengths.sum())
-    measured, features = best(lambda: motions.features(known, arrays["lengths"], Features()))
-    dense, density = best(lambda: recognition.log_densities(learnt, features))
-    joined, _ = best(lambda: recognition.frame_posteriors(learnt, density, decision))
+    measured, features = best_of(3, lambda: motions.features(known, arrays["lengths"], Features()))
+    dense, density = best_of(3, lambda: recognition.log_densities(learnt, features))
+    joined, _ = best_of(3, lambda: recognition.frame_posteriors(learnt, density, decision))
     steps = {"features": measured, "densities": dense, "answers": joined, "all": measured + dense + joined}
     return [
         {"step": step, "frames": count, "seconds": seconds, "million frames a minute": 60e-6 * count / seconds}
         for step, seconds in steps.items()
     ]
-
-
-def best(work: Any) -> tuple[float, Any]:
-    """The least seconds of three runs, and what the last returned."""
-    seconds = []
-    for _ in range(3):
-        started = time.perf_counter()
-        found = work()
-        seconds.append(time.perf_counter() - started)
-    return min(seconds), found
 
 
 def repeated(clips: Path, frames: int, output: Path) -> Path:
@@ -136,7 +127,7 @@ def _framed(arrays: dict[str, np.ndarray]) -> list[str]:
 
 def learning(clips: Path, folder: Path, more: Sequence[str]) -> list[dict[str, Any]]:
     """A row a set of mixtures and executor."""
-    rows = []
+    rows: list[dict[str, Any]] = []
     warm = {"clips": str(clips), "output": str(folder / "warm.h5"), "options": list(QUICK)}
     isolated("benchmarks.mocap.speed:trained", 1, **warm)  # compiles, fills caches
     for models, options in MODELS.items():
@@ -175,17 +166,16 @@ def growth(model: Path, clips: Path, folder: Path, counts: Sequence[int]) -> lis
     return rows
 
 
-def exponent(rows: Sequence[dict[str, Any]], of: str) -> float:
-    """Of the growth with the number of frames, by least squares on logarithms: 1 is linear."""
-    return float(np.polyfit(np.log([row["frames"] for row in rows]), np.log([row[of] for row in rows]), 1)[0])
+def growth_of(rows: Sequence[dict[str, Any]], quantity: str) -> str:
+    """The exponent of a quantity's growth with the number of frames, to two decimals."""
+    found = exponent([row["frames"] for row in rows], [row[quantity] for row in rows])
+    return "unknown" if found is None else f"{found:.2f}"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, write and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__, "short chains, few frames")
     parser.add_argument("--clips", type=Path, required=True, help="what import-clips or mocap-train read")
-    parser.add_argument("--quick", action="store_true", help="short chains, few frames")
-    parser.add_argument("--output", type=Path, default=OUTPUT)
     given = parser.parse_args(arguments)
     clips = given.clips.resolve()
     with tempfile.TemporaryDirectory() as place:
@@ -197,7 +187,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             "benchmarks.mocap.speed:answered", 1, model=str(model), clips=str(take)
         )
         tables["mocap-classify"] = growth(model, clips, folder, counts)
-    facts = {f"exponent of {of}": round(exponent(tables["mocap-classify"], of), 2) for of in ("seconds", "MB")}
+    facts = {f"exponent of {of}": growth_of(tables["mocap-classify"], of) for of in ("seconds", "MB")}
     publish(
         "mocap_speed", "Learning and recognising actions", tables, facts | {"clips": given.clips.name}, given.output
     )

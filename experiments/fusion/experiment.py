@@ -9,15 +9,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from experiments.kit.bars import Bar, Standing, bars_section
+from experiments.kit.charts import Chart, Panel
+from experiments.kit.credits import Credit, credits_section
+from experiments.kit.printed import Printed
+from experiments.kit.run import page_of
 from ipcli.measurements.accuracy import depth_average, mean_over_scenes
 from ipcli.report.fusion import fusion_tuning
 from ipcli.report.fusion.accuracy import best
 from ipcli.report.fusion.fusion_trials import SHOWN, SPARSIFICATION, extent, lights
-from ipcli.report.kit.curves import Series, plot
-from ipcli.report.kit.numbers import DASH, aligned, number
-from ipcli.report.kit.page import Markup, details, element, figure, gallery, section, table
-from ipcli.report.kit.page import page as document
-from ipcli.report.kit.pictures import Scale, draw, robust
+from ipcli.report.kit.curves import Series
+from ipcli.report.kit.numbers import aligned, number
+from ipcli.report.kit.page import Markup, details, element, gallery, section, table
+from ipcli.report.kit.pictures import robust
 from ipcli.report.kit.surface import SHADE
 
 TUNED = ", tuned λ"
@@ -30,53 +34,8 @@ SWEEPS = {  # folder names and what they vary
 Arrays = Mapping[str, np.ndarray]
 
 
-@dataclass(frozen=True)
-class Printed:
-    """A table as the thesis prints it: each row its name there, the row of ours to hold it against, and its figures."""
-
-    title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, str, tuple[float, ...]], ...]
-
-
-@dataclass(frozen=True)
-class Bar:
-    """What a measure is held to; one that ends in "/ median" is taken relative to the median's."""
-
-    measure: str
-    bar: float
-    goal: float | None
-    why: str
-
-
-@dataclass(frozen=True)
-class Chart:
-    """Lines to be drawn, in the page as SVG and beside it as PDF."""
-
-    title: str
-    x_label: str
-    y_label: str
-    lines: tuple[Series, ...]
-    log_x: bool = False
-
-    def svg(self) -> Markup:
-        """For the page."""
-        return plot(
-            self.lines, self.title, self.x_label, self.y_label, log_x=self.log_x, from_zero=True, width=470, height=290
-        )
-
-
-@dataclass(frozen=True)
-class Panel:
-    """A picture to be drawn: values (h, w) on a scale."""
-
-    caption: str
-    values: np.ndarray
-    scale: Scale
-
-
 @dataclass(frozen=True, eq=False)
-class Experiment:
+class FusionExperiment:
     """All that a page shows. `default` is the row that a user gets who chooses nothing."""
 
     title: str
@@ -91,6 +50,7 @@ class Experiment:
     bars: Sequence[Bar] = ()
     panels: Arrays = field(default_factory=dict)
     arithmetic: bool = False
+    credits: Sequence[Credit] = ()
 
     @property
     def methods(self) -> list[str]:
@@ -125,57 +85,53 @@ def averaged(values: np.ndarray, columns: Sequence[str], arithmetic: bool = Fals
     return np.column_stack([means, depth_average(means, columns)])
 
 
-def page(experiment: Experiment) -> str:
+def page(experiment: FusionExperiment) -> str:
     """The whole page."""
     e = experiment
-    parts = [bars_section(e), *thesis_sections(e), methods_section(e), lambda_section(e), *sweep_sections(e)]
-    parts += [confidence_section(e), *surface_sections(e), *scale_space_sections(e)]
-    return document(e.title, "experiments/fusion/fusion.mk", e.lead, *(part for part in parts if part))
+    parts = [held_to(e), *thesis_sections(e), methods_section(e), lambda_section(e), *sweep_sections(e)]
+    parts += [confidence_section(e), *surface_sections(e), *scale_space_sections(e), credits_section(e.credits)]
+    return page_of("fusion", e.title, e.lead, *parts)
 
 
-def bars_section(e: Experiment) -> Markup | str:
+def held_to(e: FusionExperiment) -> Markup | None:
     """What was to be reached, and what was."""
-    rows = []
-    for bar in e.bars:
-        measure, relative = bar.measure.removesuffix(" / median"), bar.measure.endswith("/ median")
-        unit = e.mean("median", measure) if relative else 1.0
-        reached = {
-            method: e.mean(method, measure) / unit for method in e.methods if np.isfinite(e.mean(method, measure))
-        }
-        first = min(reached, key=reached.get)
-        own = reached.get(e.default, float("nan"))
-        met = "by the default" if own <= bar.bar else f"by {first}" if reached[first] <= bar.bar else "no"
-        goal = number(bar.goal) if bar.goal is not None else DASH
-        rows.append((bar.measure, number(bar.bar), goal, number(own), number(reached[first]), first, met, bar.why))
-    heads = ("", "bar", "goal", f"{e.default}, the default", "least", "by", "met", "the bar is")
-    return (
-        section("What it is held to", table(heads, rows), lead="At the automatic λ, on average over the scenes.")
-        if rows
-        else ""
-    )
+    standings = [_standing(e, bar) for bar in e.bars]
+    lead = "At the automatic λ, on average over the scenes."
+    return bars_section(standings, e.default, ("",), least=True, lead=lead)
 
 
-def thesis_sections(e: Experiment) -> list[Markup]:
+def _standing(e: FusionExperiment, bar: Bar) -> Standing:
+    """A measure that ends in "/ median" is taken relative to the median's."""
+    (name,) = bar.measure
+    measure = name.removesuffix(" / median")
+    unit = e.mean("median", measure) if name.endswith("/ median") else 1.0
+    reached = {method: e.mean(method, measure) / unit for method in e.methods}
+    known = {method: value for method, value in reached.items() if np.isfinite(value)}
+    return Standing(bar, (name,), float(bar.bar), known)
+
+
+def thesis_sections(e: FusionExperiment) -> list[Markup]:
     """The printed tables, each figure followed by ours."""
     parts = [part for printed in e.printed for part in (element("h3", printed.title), beside(e, printed))]
     return [section("Beside the thesis", *parts, lead=e.conventions)] if parts else []
 
 
-def beside(e: Experiment, printed: Printed) -> Markup:
+def beside(e: FusionExperiment, printed: Printed) -> Markup:
     """Rows of the thesis with the name of ours; for each measure its figure and ours at the automatic lambda."""
-    heads = [element("span", column, element("br"), side) for column in printed.columns for side in ("thesis", "ours")]
+    columns = printed.columns[2:]
+    heads = [element("span", column, element("br"), side) for column in columns for side in ("thesis", "ours")]
     rows = []
-    for name, ours, values in printed.rows:
+    for name, ours, *values in printed.rows:
         cells = [
             cell
-            for column, value in zip(printed.columns, values, strict=True)
-            for cell in (f"{value:g}", number(e.mean(ours, column)))
+            for column, value in zip(columns, values, strict=True)
+            for cell in (f"{float(value):g}", number(e.mean(ours, column)))
         ]
         rows.append((name, ours, *cells))
     return element("div", table(("", "ours", *heads), rows), class_="dense")
 
 
-def methods_section(e: Experiment) -> Markup:
+def methods_section(e: FusionExperiment) -> Markup:
     """All methods by all measures, at the automatic lambda; at the tuned one on demand."""
     scenes = ", ".join(map(str, e.table["scenes"]))
     kind = "Arithmetic" if e.arithmetic else "Geometric (of percentages: arithmetic)"
@@ -193,7 +149,7 @@ def methods_section(e: Experiment) -> Markup:
     return section("All methods", *parts, lead=lead)
 
 
-def methods_table(e: Experiment, methods: Sequence[str]) -> Markup:
+def methods_table(e: FusionExperiment, methods: Sequence[str]) -> Markup:
     """A row for each of the methods, a column for each measure."""
     values = np.array([[e.mean(method, column) for column in e.columns] for method in methods])
     cells = [aligned(column) for column in values.T]
@@ -201,17 +157,17 @@ def methods_table(e: Experiment, methods: Sequence[str]) -> Markup:
     return table(("", *e.columns), rows, bold=best(values, e.columns))
 
 
-def closeness(e: Experiment) -> dict[str, float]:
+def closeness(e: FusionExperiment) -> dict[str, float]:
     """For each method its error at the automatic lambda over that at the tuned one, on the scenes of the table."""
     ratios = {method: e.mean(method, e.measure) / e.mean(method + TUNED, e.measure) for method in e.methods}
     return {method: ratio for method, ratio in ratios.items() if np.isfinite(ratio)}
 
 
-def lambda_section(e: Experiment) -> Markup | str:
+def lambda_section(e: FusionExperiment) -> Markup | None:
     """How the automatic lambda does against the tuned one, and the curves that it was tuned by."""
     ratios = closeness(e)
     if e.tuning is None or not ratios:
-        return ""
+        return None
     close = sum(ratio <= fusion_tuning.WITHIN for ratio in ratios.values())
     own = (
         f" For the default, {e.default}, it is {number(ratios[e.default])} times the tuned one's."
@@ -251,7 +207,7 @@ def lambda_section(e: Experiment) -> Markup | str:
     )
 
 
-def sweep_charts(e: Experiment, measure: str) -> list[Chart]:
+def sweep_charts(e: FusionExperiment, measure: str) -> list[Chart]:
     """A chart for each sweep: error of each method against what is varied."""
     charts = []
     for sweep, settings in e.sweeps.items():
@@ -259,7 +215,8 @@ def sweep_charts(e: Experiment, measure: str) -> list[Chart]:
         for value, trials in sorted(settings.items()):
             for method, error in _swept(trials, measure).items():
                 lines.setdefault(method, []).append((value, error))
-        series = tuple(Series(name, *np.array(points).T, dots=True) for name, points in lines.items())
+        curves = {name: np.array(points).T for name, points in lines.items()}
+        series = tuple(Series(name, x, y, dots=True) for name, (x, y) in curves.items())
         charts.append(Chart(sweep.capitalize(), SWEEPS.get(sweep, sweep), measure, series[:SHOWN]))
     return charts
 
@@ -275,7 +232,7 @@ def _swept(trials: Sequence[Arrays], measure: str) -> dict[str, float]:
     }
 
 
-def sweep_sections(e: Experiment) -> Iterator[Markup]:
+def sweep_sections(e: FusionExperiment) -> Iterator[Markup]:
     """Average depth error (figures 4.3 and 4.5) and disparity error (4.4 and 4.6) against each setting."""
     if not e.sweeps:
         return
@@ -293,12 +250,12 @@ def sweep_sections(e: Experiment) -> Iterator[Markup]:
         )
 
 
-def confidence_chart(e: Experiment) -> Chart | None:
+def confidence_chart(e: FusionExperiment) -> Chart | None:
     """Sparsification curves by the uncertainty of the methods whose maps were kept, averaged over the scenes."""
     if not e.scenes:
         return None
     first = next(iter(e.scenes.values()))
-    lines = []
+    lines: list[Series] = []
     for row, (name, rule) in enumerate(zip(first["methods"], first["rules"], strict=True)):
         if str(rule) == "automatic" and str(name) in map(str, first["maps"]) and len(lines) < SHOWN - 1:
             kept = np.mean(
@@ -312,14 +269,12 @@ def confidence_chart(e: Experiment) -> Chart | None:
     return Chart("Sparsification by uncertainty", "share of pixels kept, %", "error, mean errors", tuple(lines))
 
 
-def confidence_section(e: Experiment) -> Markup | str:
+def confidence_section(e: FusionExperiment) -> Markup | None:
     """What the confidences are worth."""
     chart = confidence_chart(e)
-    return (
-        section("What the confidence is worth", element("div", chart.svg(), class_="plots"), lead=SPARSIFICATION)
-        if chart
-        else ""
-    )
+    if chart is None:
+        return None
+    return section("What the confidence is worth", element("div", chart.svg(), class_="plots"), lead=SPARSIFICATION)
 
 
 def surfaces(trials: Arrays) -> list[Panel]:
@@ -329,13 +284,16 @@ def surfaces(trials: Arrays) -> list[Panel]:
     return [Panel(name, lights(depth, trials["truth"], trials["intrinsics"])[window], SHADE) for name, depth in maps]
 
 
-def surface_sections(e: Experiment) -> Iterator[Markup]:
+def surface_sections(e: FusionExperiment) -> Iterator[Markup]:
     """Surfaces by different methods (figures 4.8 to 4.10)."""
     rows = []
     for name, trials in e.scenes.items():
         shown = surfaces(trials)
         wide = shown[0].values.shape[1] > 1.9 * shown[0].values.shape[0]
-        rows += [element("h3", name), gallery(*map(_figure, shown), columns=2 if wide else 4, small=True)]
+        rows += [
+            element("h3", name),
+            gallery(*(panel.figure() for panel in shown), columns=2 if wide else 4, small=True),
+        ]
     if rows:
         yield section(
             "Surfaces (thesis figures 4.8 to 4.10)",
@@ -371,15 +329,11 @@ CAPTIONS = {
 }
 
 
-def scale_space_sections(e: Experiment) -> Iterator[Markup]:
+def scale_space_sections(e: FusionExperiment) -> Iterator[Markup]:
     """What the confidence does to the scale (figures 4.1 and 4.2)."""
     for name, shown in scale_space(e.panels).items():
         yield section(
             f"Scale and confidence (thesis figure {name})",
-            gallery(*map(_figure, shown), columns=4, small=True),
+            gallery(*(panel.figure() for panel in shown), columns=4, small=True),
             lead=CAPTIONS.get(name, ""),
         )
-
-
-def _figure(panel: Panel) -> Markup:
-    return figure(draw(panel.values, panel.scale, 420), panel.caption, crisp=panel.values.shape[1] <= 128)

@@ -5,11 +5,8 @@
 #   make experiments/fusion-kitti         KITTI stereo 2012, disparities of both cameras (tables 4.4, 4.5)
 #   make experiments/fusion-livingroom    ICL-NUIM living room, Laplace noise of 30 mm
 #   make experiments/fusion-kitchen       7-Scenes Kinect frames, a page to look at
-# QUICK=1 takes small generated scenes in place of the data sets and is done in a minute or two, in a folder of its own.
-# DATA is the folder of the data sets. Lambda is tuned for each method on the DEVELOPMENT scenes; the tables show the others.
-# A step whose artefact is there is not done again: after a kill, make goes on where it was.
+# Lambda is tuned for each method on the DEVELOPMENT scenes; the tables show the others.
 
-DATA ?= $(or $(IPCLI_DATA),../shared/data)
 MESHES := build/meshes
 ALGORITHMS := rof-adapt:ama rof-adapt:biconvex l1-adapt:ama l1-adapt:biconvex adapt-hprior:ama adapt-hprior:biconvex \
     adapt-hprior-g:ama adapt-hprior-g:biconvex
@@ -49,10 +46,8 @@ SOURCE_POSES := $(DATA)/fusion/kitti2012_poses/poses_training_cam2world.npz
 SOURCE_ROOM := $(DATA)/fusion/livingroom1_clean_micro
 MATCHING :=
 CAMERA :=
-SUFFIX :=
 
 ifdef QUICK
-SUFFIX := -quick
 METHODS := $(ONE_EACH) l1-adapt:ama l1-adapt:biconvex
 SOLVER := $(ROUGHLY)
 LAMBDAS := 0.1 0.3 1
@@ -83,36 +78,28 @@ MATCHING := --set sgbm.disparities=64
 CAMERA := --intrinsics 131.25,131.25,79.875,59.875
 endif
 
-OBJECTS := build/experiments/fusion-objects$(SUFFIX)
-URBAN := build/experiments/fusion-urban$(SUFFIX)
-KITTI := build/experiments/fusion-kitti$(SUFFIX)
-LIVINGROOM := build/experiments/fusion-livingroom$(SUFFIX)
+OBJECTS := $(call experiment,fusion,objects)
+URBAN := $(call experiment,fusion,urban)
+KITTI := $(call experiment,fusion,kitti)
+LIVINGROOM := $(call experiment,fusion,livingroom)
 KITCHEN := build/experiments/fusion-kitchen
 
-.SECONDARY:
-.PHONY: experiments/fusion-objects experiments/fusion-urban experiments/fusion-kitti experiments/fusion-livingroom experiments/fusion-kitchen
-
-experiments/fusion-objects: $(OBJECTS)/index.html
-experiments/fusion-urban: $(URBAN)/index.html
-experiments/fusion-kitti: $(KITTI)/index.html
-experiments/fusion-livingroom: $(LIVINGROOM)/index.html
+.PHONY: experiments/fusion-kitchen
 experiments/fusion-kitchen: $(KITCHEN)/frame-000180.fused.html
-experiments/fusion-objects experiments/fusion-urban experiments/fusion-kitti experiments/fusion-livingroom experiments/fusion-kitchen:
-	@echo "Open $(CURDIR)/$< in a browser"
+	$(open)
 
-# Views: from meshes, from stereo pairs, from a recording.
+# Views: from meshes, from stereo pairs, from a recording. A folder WHAT-VALUE is a setting of a sweep, such as laplace-0.3 or views-7.
 
-mesh = $(MESHES)/meshes_$(1)/$(2)$(if $(filter 3dfier%,$(2)),.obj,.ply)
-# $(call rendered,folder,scenes,objects or urban,path camera and noise)
-define rendered
-$(foreach s,$(2),
-$(1)/$(s).views.h5: $(call mesh,$(3),$(s)) $$(INSTALLED)
-	$$(BIN)/ipcli render-views $$< $(4) -o $$@
+mesh = meshes_urban/$(1)$(if $(filter 3dfier%,$(1)),.obj,.ply)
+setting = $(subst -, ,$(lastword $(subst /, ,$(@D))))
+swept = $(if $(findstring /,$*),$(call varied,$(firstword $(setting)),$(lastword $(setting)),$(1)),--noise laplace:$(1))
+varied = $(if $(filter laplace gauss,$(1)),--noise $(1):$(2),--noise laplace:$(3) --$(1) $(2))
 
-)
-endef
-$(eval $(call rendered,$(OBJECTS),$(OBJECTS_DEVELOPMENT) $(OBJECTS_SCENES),objects,$(RENDER) --noise laplace:0.6))
-$(eval $(call rendered,$(URBAN),$(URBAN_DEVELOPMENT) $(URBAN_SCENES),urban,$(FLY) --noise laplace:6))
+$(OBJECTS)/%.views.h5: $(MESHES)/meshes_objects/$$(notdir $$*).ply $(INSTALLED)
+	$(BIN)/ipcli render-views $< $(RENDER) $(call swept,0.6) -o $@
+
+$(URBAN)/%.views.h5: $(MESHES)/$$(call mesh,$$(notdir $$*)) $(INSTALLED)
+	$(BIN)/ipcli render-views $< $(FLY) $(call swept,6) -o $@
 
 $(KITTI_BUNDLES:%=$(KITTI)/%.views.h5): $(KITTI)/%.views.h5: $(DATA)/fusion/kitti2012_multiview $(INSTALLED)
 	$(BIN)/ipcli kitti-views $< --poses $(SOURCE_POSES) --scenes $* -o $(KITTI)
@@ -139,49 +126,51 @@ $(MESHES)/meshes_urban/%: $(DATA)/fusion/meshes_urban/meshes_urban.tar.xz
 build/recordings/%: experiments/fusion/recordings.py experiments/fusion/solids.py $(INSTALLED)
 	rm -rf $@ $@.part && $(BIN)/python -m experiments.fusion.recordings $* $@.part && mv $@.part $@
 
-# From views to the page. $(call experiment,NAME,folder,development scenes,scenes,methods,measure to tune for,flags,trials of sweeps)
+# From views to tables: lambda tuned on the development scenes, every method on the others, their comparison.
 
-comma := ,
-listed = $(subst $() $(),$(comma),$(strip $(1)))
+$(OBJECTS)/% $(URBAN)/% $(LIVINGROOM)/%: COMPARED = $(METHODS)
+$(OBJECTS)/% $(URBAN)/% $(LIVINGROOM)/%: MEASURE := RMSE
+$(KITTI)/%: COMPARED = $(KITTI_METHODS)
+$(KITTI)/%: MEASURE := D-avg px
+$(KITTI)/%: FLAGS := --config configs/fuse-depth/kitti.toml
 
-define experiment
-$(2)/tuning.h5: $(3:%=$(2)/%.views.h5)
-	$$(BIN)/ipcli tune-fusion $$^ $(7) --methods $(call listed,$(5)) --lambdas $(call listed,$(LAMBDAS)) --measure '$(6)' $(ROUGHLY) -o $$@ --overwrite
+OBJECTS_TRIALS := $(OBJECTS_SCENES:%=$(OBJECTS)/%.trials.h5)
+URBAN_TRIALS := $(URBAN_SCENES:%=$(URBAN)/%.trials.h5)
+KITTI_TRIALS := $(KITTI_SCENES:%=$(KITTI)/%.trials.h5)
+LIVINGROOM_TRIALS := $(LIVINGROOM_SCENES:%=$(LIVINGROOM)/%.trials.h5)
 
-$(4:%=$(2)/%.trials.h5): $(2)/%.trials.h5: $(2)/%.views.h5 $(2)/tuning.h5
-	$$(BIN)/ipcli evaluate-fusion $$< $(7) $(SOLVER) --methods $(call listed,$(5)) --tuning $(2)/tuning.h5 -o $$@ --overwrite
+$(OBJECTS)/tuning.h5: $(OBJECTS_DEVELOPMENT:%=$(OBJECTS)/%.views.h5)
+$(URBAN)/tuning.h5: $(URBAN_DEVELOPMENT:%=$(URBAN)/%.views.h5)
+$(KITTI)/tuning.h5: $(KITTI_DEVELOPMENT:%=$(KITTI)/%.views.h5)
+$(LIVINGROOM)/tuning.h5: $(LIVINGROOM_DEVELOPMENT:%=$(LIVINGROOM)/%.views.h5)
+$(OBJECTS)/tuning.h5 $(URBAN)/tuning.h5 $(KITTI)/tuning.h5 $(LIVINGROOM)/tuning.h5:
+	$(BIN)/ipcli tune-fusion $^ $(FLAGS) --methods $(call listed,$(COMPARED)) --lambdas $(call listed,$(LAMBDAS)) --measure '$(MEASURE)' $(ROUGHLY) -o $@ --overwrite
 
-$(2)/table.h5: $(4:%=$(2)/%.trials.h5)
-	$$(BIN)/ipcli compare $$^ -o $$@ --overwrite
+$(OBJECTS_TRIALS) $(URBAN_TRIALS) $(KITTI_TRIALS) $(LIVINGROOM_TRIALS): %.trials.h5: %.views.h5 $$(@D)/tuning.h5
+	$(BIN)/ipcli evaluate-fusion $< $(FLAGS) $(SOLVER) --methods $(call listed,$(COMPARED)) --tuning $(@D)/tuning.h5 -o $@ --overwrite
 
-$(2)/index.html: experiments/fusion/page.py experiments/kit/figures.py experiments/fusion/bars.csv $(wildcard experiments/fusion/thesis/$(1)*.csv) \
-    $(2)/table.h5 $(2)/tuning.h5 $(4:%=$(2)/%.trials.h5) $(8)
-	$$(BIN)/python -m experiments.fusion.page $(if $(QUICK),--quick )$(1) $$@ $$(filter %.h5 %.npz,$$^)
-endef
+$(OBJECTS)/table.h5: $(OBJECTS_TRIALS)
+$(URBAN)/table.h5: $(URBAN_TRIALS)
+$(KITTI)/table.h5: $(KITTI_TRIALS)
+$(LIVINGROOM)/table.h5: $(LIVINGROOM_TRIALS)
+$(OBJECTS)/table.h5 $(URBAN)/table.h5 $(KITTI)/table.h5 $(LIVINGROOM)/table.h5:
+	$(BIN)/ipcli compare $^ -o $@ --overwrite
 
-# Sweeps: views and trials of every setting. $(call sweeps,folder,scenes,objects or urban,rendering,default noise,noises,spacings)
-define setting
-$(call rendered,$(1),$(2),$(3),$(4))
-$(2:%=$(1)/%.trials.h5): $(1)/%.trials.h5: $(1)/%.views.h5
-	$$(BIN)/ipcli evaluate-fusion $$< $(SOLVER) --methods $(call listed,$(SWEEP_METHODS)) --keep median -o $$@ --overwrite
+# Sweeps over noise, number and spacing of the views, and figures 4.1 and 4.2.
 
-endef
-define sweeps
-$(foreach n,$(6),$(call setting,$(1)/laplace-$(n),$(2),$(3),$(4) --noise laplace:$(n)))
-$(foreach n,$(6),$(call setting,$(1)/gauss-$(n),$(2),$(3),$(4) --noise gauss:$(n)))
-$(foreach n,$(COUNTS),$(call setting,$(1)/views-$(n),$(2),$(3),$(4) --noise laplace:$(5) --views $(n)))
-$(foreach n,$(7),$(call setting,$(1)/spacing-$(n),$(2),$(3),$(4) --noise laplace:$(5) --spacing $(n)))
-endef
 settings = $(1:%=laplace-%) $(1:%=gauss-%) $(COUNTS:%=views-%) $(2:%=spacing-%)
-$(eval $(call sweeps,$(OBJECTS),$(OBJECTS_SWEPT),objects,$(RENDER),0.6,$(OBJECTS_NOISES),$(OBJECTS_SPACINGS)))
-$(eval $(call sweeps,$(URBAN),$(URBAN_SWEPT),urban,$(FLY),6,$(URBAN_NOISES),$(URBAN_SPACINGS)))
 OBJECTS_SWEEPS := $(foreach s,$(call settings,$(OBJECTS_NOISES),$(OBJECTS_SPACINGS)),$(OBJECTS_SWEPT:%=$(OBJECTS)/$(s)/%.trials.h5))
 URBAN_SWEEPS := $(foreach s,$(call settings,$(URBAN_NOISES),$(URBAN_SPACINGS)),$(URBAN_SWEPT:%=$(URBAN)/$(s)/%.trials.h5))
 
-$(eval $(call experiment,objects,$(OBJECTS),$(OBJECTS_DEVELOPMENT),$(OBJECTS_SCENES),$(METHODS),RMSE,,$(OBJECTS)/scale-space.npz $(OBJECTS_SWEEPS)))
-$(eval $(call experiment,urban,$(URBAN),$(URBAN_DEVELOPMENT),$(URBAN_SCENES),$(METHODS),RMSE,,$(URBAN_SWEEPS)))
-$(eval $(call experiment,kitti,$(KITTI),$(KITTI_DEVELOPMENT),$(KITTI_SCENES),$(KITTI_METHODS),D-avg px,--config configs/fuse-depth/kitti.toml,))
-$(eval $(call experiment,livingroom,$(LIVINGROOM),$(LIVINGROOM_DEVELOPMENT),$(LIVINGROOM_SCENES),$(METHODS),RMSE,,))
+$(OBJECTS_SWEEPS) $(URBAN_SWEEPS): %.trials.h5: %.views.h5
+	$(BIN)/ipcli evaluate-fusion $< $(SOLVER) --methods $(call listed,$(SWEEP_METHODS)) --keep median -o $@ --overwrite
 
 %/scale-space.npz: experiments/fusion/scale_space.py $(INSTALLED)
 	$(BIN)/python -m experiments.fusion.scale_space $@
+
+# Pages.
+
+$(OBJECTS)/index.html: $(addprefix $(OBJECTS)/,table.h5 tuning.h5) $(OBJECTS_TRIALS) $(OBJECTS)/scale-space.npz $(OBJECTS_SWEEPS)
+$(URBAN)/index.html: $(addprefix $(URBAN)/,table.h5 tuning.h5) $(URBAN_TRIALS) $(URBAN_SWEEPS)
+$(KITTI)/index.html: $(addprefix $(KITTI)/,table.h5 tuning.h5) $(KITTI_TRIALS)
+$(LIVINGROOM)/index.html: $(addprefix $(LIVINGROOM)/,table.h5 tuning.h5) $(LIVINGROOM_TRIALS)

@@ -1,24 +1,28 @@
-"""The page, the figures and the table of one experiment of chapter 4: `python fusion_page.py NAME OUT.html FILE...`.
+"""The page, the figures and the table of one experiment of chapter 4: `python -m experiments.fusion.page NAME OUT.html
+FILE...`.
 
 NAME is a key of EXPERIMENTS. The files are told apart by their kind: the comparison over the scenes, the tuning, the
 trials of each scene (beside OUT) or of each setting of a sweep (in a folder SWEEP-VALUE), and the panels of
 scale_space.py (.npz). Beside OUT come X.csv and X.json with the means over the scenes, and figures/ as PDF and PNG.
 """
 
-import csv
-import io
-import json
-import sys
 from collections import defaultdict
 from pathlib import Path
+from typing import Any
 
 from experiments.fusion import experiment as report
-from experiments.fusion.experiment import Bar, Experiment, Printed
+from experiments.fusion.experiment import FusionExperiment
 from experiments.kit import figures
-from ipcli.io.files import atomic, h5, npz
+from experiments.kit.arguments import Arguments
+from experiments.kit.bars import read_bars
+from experiments.kit.credits import read_credits
+from experiments.kit.printed import Printed, read_printed
+from experiments.kit.run import Findings, quick_lead, run
+from ipcli.io.files import h5, npz
 from ipcli.models.fusion.parameters import Fusion, parse_variants
 
 HERE = Path(__file__).parent
+SWEPT = ("methods", "rules", "columns", "values")  # what is needed of the trials of a sweep
 SYNTHETIC = (
     "Thesis: the authors' printed averages over their own renderings. Ours: the same camera, noise and path on the "
     "meshes named below, observations "
@@ -27,7 +31,7 @@ SYNTHETIC = (
     "Z-MAE after the median error, normals that are missing count 90°, disparities after KITTI's background "
     "interpolation."
 )
-EXPERIMENTS = {
+EXPERIMENTS: dict[str, dict[str, Any]] = {
     "objects": {
         "title": "Fusion of rendered objects",
         "lead": "Eleven depth maps of an orbit of radius 3 about an object of radius 1, with Laplace noise of scale "
@@ -63,73 +67,43 @@ EXPERIMENTS = {
 }
 
 
-def gather(name: str, out: Path, files: list[Path], quick: bool) -> Experiment:
+def gather(arguments: Arguments) -> FusionExperiment:
     """The experiment that these files make up."""
-    found = {"scenes": {}, "sweeps": defaultdict(lambda: defaultdict(list)), "panels": {}}
-    for path in files:
+    name, quick = arguments.name, arguments.quick
+    found: dict[str, Any] = {"scenes": {}, "sweeps": defaultdict(lambda: defaultdict(list)), "panels": {}}
+    for path in arguments.files:
         kind = "panels" if path.suffix == ".npz" else h5.peek(path).kind
         if kind == "panels":
             found["panels"] = npz.read(path)
-        elif kind == "fusion-trials" and path.parent != out.parent:
+        elif kind == "fusion-trials" and path.parent != arguments.out.parent:
             sweep, _, value = path.parent.name.rpartition("-")
-            found["sweeps"][sweep][float(value)].append(
-                h5.read(path, "fusion-trials", only=lambda n: n in ("methods", "rules", "columns", "values")).arrays
-            )
+            found["sweeps"][sweep][float(value)].append(h5.read(path, kind, only=SWEPT.__contains__).arrays)
         elif kind == "fusion-trials":
-            found["scenes"][path.name.split(".")[0]] = h5.read(path, "fusion-trials").arrays
+            found["scenes"][path.name.split(".")[0]] = h5.read(path, kind).arrays
         else:
             found["table" if kind == "fusion-comparison" else kind.removeprefix("fusion-")] = h5.read(path, kind).arrays
     about = dict(EXPERIMENTS[name])
     if quick:
-        about["lead"] = (
-            "A quick look at small generated scenes: it shows that everything runs, not how good it is. "
-            + about["lead"]
-        )
-    bars = [] if quick else read_bars(name)
-    return Experiment(
-        default=parse_variants(Fusion.method)[0].label, printed=read_printed(name), bars=bars, **about, **found
+        about["lead"] = quick_lead("small generated scenes") + about["lead"]
+    else:
+        about |= {"bars": read_bars(HERE / "bars.csv", name), "credits": read_credits(HERE / "data.csv", name)}
+    return FusionExperiment(
+        default=parse_variants(Fusion.method)[0].label, printed=printed_tables(name), **about, **found
     )
 
 
-def read_printed(name: str) -> list[Printed]:
-    """The tables of the thesis that belong to an experiment."""
-    return [_printed(path) for path in sorted((HERE / "thesis").glob(f"{name}*.csv"))]
+def printed_tables(name: str) -> list[Printed]:
+    """The tables of the thesis that belong to an experiment: name, the row of ours to hold it against, figures."""
+    return [read_printed(path) for path in sorted((HERE / "thesis").glob(f"{name}*.csv"))]
 
 
-def _printed(path: Path) -> Printed:
-    title, head, *lines = path.read_text(encoding="utf-8").splitlines()
-    columns = tuple(head.split(",")[2:])
-    rows = tuple((name, ours, tuple(map(float, values))) for name, ours, *values in csv.reader(lines))
-    return Printed(title.removeprefix("# "), columns, rows)
-
-
-def read_bars(name: str) -> list[Bar]:
-    """What the experiment is held to."""
-    rows = csv.DictReader(
-        line for line in (HERE / "bars.csv").read_text(encoding="utf-8").splitlines() if line[0] != "#"
-    )
-    return [
-        Bar(row["measure"], float(row["bar"]), float(row["goal"]) if row["goal"] else None, row["why"])
-        for row in rows
-        if row["experiment"] == name
-    ]
-
-
-def write_table(out: Path, e: Experiment) -> None:
-    """Means over the scenes of every row, as CSV and JSON."""
+def rows_of(e: FusionExperiment) -> list[dict[str, object]]:
+    """A row for each method, at the automatic lambda and at the tuned one: means over the scenes."""
     methods = [str(name) for name in e.table["methods"]]
-    rows = [{"method": method} | {column: e.mean(method, column) for column in e.columns} for method in methods]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, ["method", *e.columns], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    atomic.write_text(out.with_suffix(".csv"), text.getvalue())
-    known = [{key: None if value != value else value for key, value in row.items()} for row in rows]
-    about = {"scenes": [str(name) for name in e.table["scenes"]], "default": e.default, "rows": known}
-    atomic.write_text(out.with_suffix(".json"), json.dumps(about, indent=1, ensure_ascii=False) + "\n")
+    return [{"method": method} | {column: e.mean(method, column) for column in e.columns} for method in methods]
 
 
-def write_figures(folder: Path, e: Experiment) -> None:
+def write_figures(folder: Path, e: FusionExperiment) -> None:
     """What the page shows, as files."""
     for measure, name in (("Z-avg", "depth-error"), ("D-avg px", "disparity-error")):
         if e.sweeps:
@@ -143,9 +117,12 @@ def write_figures(folder: Path, e: Experiment) -> None:
         figures.pictures(folder, f"scale-space-{number}", [panels[:half], panels[half:]])
 
 
+def make(arguments: Arguments) -> Findings:
+    """The page, the table and the figures of one experiment."""
+    e = gather(arguments)
+    about = {"scenes": [str(name) for name in e.table["scenes"]], "default": e.default}
+    return Findings(report.page(e), rows_of(e), about, lambda folder: write_figures(folder, e))
+
+
 if __name__ == "__main__":
-    quick, (name, out, *files) = "--quick" in sys.argv, [argument for argument in sys.argv[1:] if argument != "--quick"]
-    experiment = gather(name, Path(out), [Path(file) for file in files], quick)
-    write_table(Path(out), experiment)
-    write_figures(Path(out).parent / "figures", experiment)
-    atomic.write_text(Path(out), report.page(experiment))
+    run(EXPERIMENTS, make)

@@ -50,7 +50,7 @@ def confidence(inside: float, outside: float, box: tuple) -> np.ndarray:
 
 def regularised(image: np.ndarray, c: np.ndarray) -> np.ndarray:
     """The minimiser (h, w) of TV(x) + sum c |x - image|."""
-    fidelity, iterate = AbsoluteDeviations(Observations.of(image[None]), c), tgv.Iterate.at(image)
+    fidelity, iterate = AbsoluteDeviations(Observations.of([image]), c), tgv.Iterate.at(image)
     tgv.minimise(fidelity, Regulariser(order=1), iterate, (0.0, 1.0), Solver(tolerance=1e-4, iterations=20000))
     return iterate.x
 

@@ -3,6 +3,7 @@ FOLDER/NAME.ply`.
 """
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,19 +13,22 @@ BALLS = ((0.5, (-0.4, -0.3, 0.2)), (0.35, (0.5, 0.1, 0.4)), (0.45, (0.1, 0.4, -0
 RODS = (((-0.9, 0.6, 0.3), (0.8, -0.8, 0.1)), ((-0.7, -0.9, -0.4), (0.3, 0.9, 0.2)))
 
 
+def joined(parts: Sequence[trimesh.Trimesh]) -> trimesh.Trimesh:
+    """All parts as one mesh."""
+    whole = trimesh.util.concatenate(parts)
+    assert isinstance(whole, trimesh.Trimesh)
+    return whole
+
+
 def torus() -> trimesh.Trimesh:
     """A ring about a ball, facing the camera."""
-    return trimesh.util.concatenate(
-        [trimesh.creation.torus(1.0, 0.3), trimesh.creation.icosphere(subdivisions=4, radius=0.55)]
-    )
+    return joined([trimesh.creation.torus(1.0, 0.3), trimesh.creation.icosphere(subdivisions=4, radius=0.55)])
 
 
 def knot() -> trimesh.Trimesh:
     """Three balls and two rods, one behind the other."""
     balls = [trimesh.creation.icosphere(subdivisions=4, radius=r).apply_translation(at) for r, at in BALLS]
-    return trimesh.util.concatenate(
-        [*balls, *(trimesh.creation.cylinder(0.15, segment=ends, sections=64) for ends in RODS)]
-    )
+    return joined([*balls, *(trimesh.creation.cylinder(0.15, segment=ends, sections=64) for ends in RODS)])
 
 
 def village() -> trimesh.Trimesh:
@@ -44,7 +48,7 @@ def town(seed: int = 0) -> trimesh.Trimesh:
             np.array([(-40, -50, 0), (40, -50, 0), (40, -10, 0), (-40, -10, 0), (-30, -30, 30), (30, -30, 30)])
         )
     )
-    return trimesh.util.concatenate(parts)
+    return joined(parts)
 
 
 def room() -> trimesh.Trimesh:
@@ -68,7 +72,7 @@ def room() -> trimesh.Trimesh:
     pot = trimesh.creation.cylinder(radius=0.2, height=0.5, sections=64).apply_transform(
         trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0), point=(0, 0, 0))
     )
-    return trimesh.util.concatenate([*walls, *table, *shelf, ball, pot.apply_translation((-0.45, 0.1, 2.4))])
+    return joined([*walls, *table, *shelf, ball, pot.apply_translation((-0.45, 0.1, 2.4))])
 
 
 def street(seed: int) -> trimesh.Trimesh:
@@ -78,17 +82,14 @@ def street(seed: int) -> trimesh.Trimesh:
         for z in np.arange(4.0, 100.0, 12.0):
             near, height = rng.uniform(5.0, 8.0), rng.uniform(5.0, 12.0)
             x = sorted((side * near, side * (near + 10)))
-            parts.append(
-                trimesh.creation.box(bounds=[(x[0], 1.65 - height, z), (x[1], 1.7, z + rng.uniform(8.0, 11.5))])
-            )
+            far = z + rng.uniform(8.0, 11.5)
+            parts.append(trimesh.creation.box(bounds=np.array([(x[0], 1.65 - height, z), (x[1], 1.7, far)])))
         for z in rng.uniform(8, 50, 3):
-            x, turn = (
-                side * rng.uniform(2.5, 3.5),
-                trimesh.transformations.rotation_matrix(rng.normal(0, 0.1), (0, 1, 0)),
-            )
-            parts.append(trimesh.creation.box((1.7, 1.5, 4.0), turn).apply_translation((x, 0.9, z)))
+            centre = (side * rng.uniform(2.5, 3.5), 0.9, z)
+            turn = trimesh.transformations.rotation_matrix(rng.normal(0, 0.1), (0, 1, 0))
+            parts.append(trimesh.creation.box((1.7, 1.5, 4.0), turn).apply_translation(centre))
     parts.append(trimesh.creation.box(bounds=[(-60, -20, 110), (60, 2, 112)]))
-    return trimesh.util.concatenate(parts)
+    return joined(parts)
 
 
 if __name__ == "__main__":

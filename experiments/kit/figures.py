@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.fusion.experiment import Chart, Panel
+from experiments.kit.charts import Chart, Panel
 from ipcli.io.files import atomic
 from ipcli.report.kit.pictures import palette
 

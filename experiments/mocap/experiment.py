@@ -9,9 +9,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from experiments.kit.bars import Bar, Standing, bars_section
+from experiments.kit.credits import Credit, credits_section
+from experiments.kit.printed import Printed
+from experiments.kit.run import page_of
 from ipcli.report.kit.numbers import DASH, number, percent
 from ipcli.report.kit.page import Markup, details, element, section, table
-from ipcli.report.kit.page import page as document
 from ipcli.report.kit.skeleton import bounds
 from ipcli.report.mocap import action_evaluation, behaviours
 from ipcli.report.mocap.action_evaluation import accuracy, clusters, confusions, histograms, mean_and_spread
@@ -36,28 +39,8 @@ SHOWN = 6  # behaviours of an action that are drawn
 Arrays = Mapping[str, np.ndarray]
 
 
-@dataclass(frozen=True)
-class Printed:
-    """A table as the thesis prints it: its title, its columns, and a row of texts for each line."""
-
-    title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-
-
-@dataclass(frozen=True)
-class Bar:
-    """Right answers, in percent, that are asked for: a number, or the name of a peer that is to be surpassed."""
-
-    split: str
-    query: str
-    bar: str
-    goal: float | None
-    why: str
-
-
 @dataclass(frozen=True, eq=False)
-class Experiment:
+class RecognitionExperiment:
     """All that a page shows. Evaluations by method and split; the first method is what a user gets who chooses
     nothing.
     """
@@ -69,6 +52,7 @@ class Experiment:
     bars: Sequence[Bar] = ()
     printed: Mapping[str, Printed] = field(default_factory=dict)
     peers: Mapping[str, Sequence[Mapping[str, object]]] = field(default_factory=dict)
+    credits: Sequence[Credit] = ()
 
     @property
     def methods(self) -> list[str]:
@@ -123,11 +107,11 @@ def heading(query: str) -> str:
     return many.get(query, f"{query} frames of a clip %")
 
 
-def page(experiment: Experiment) -> str:
+def page(experiment: RecognitionExperiment) -> str:
     """The whole page."""
     e = experiment
     parts = [
-        _bars(e),
+        _held_to(e),
         _table(e),
         *_peers(e),
         *_table_5_1(e),
@@ -136,46 +120,24 @@ def page(experiment: Experiment) -> str:
         *_clusters(e),
         *_poses(e),
         _links(e),
+        credits_section(e.credits),
     ]
-    return document(e.title, "experiments/mocap/mocap.mk", e.lead, *(part for part in parts if part))
+    return page_of("mocap", e.title, e.lead, *parts)
 
 
-def _bars(e: Experiment) -> Markup | str:
+def _held_to(e: RecognitionExperiment) -> Markup | None:
     """What was to be reached, and what was."""
-    rows = []
-    for bar in e.bars:
-        is_number = bar.bar.replace(".", "").isdigit()
-        asked = float(bar.bar) if is_number else e.peer(bar.bar, bar.split, bar.query)
-        reached = {
-            method: e.percent(method, bar.split, bar.query)
-            for method in e.methods
-            if (method, bar.split) in e.evaluations
-        }
-        own, most = reached.get(e.methods[0], float("nan")), max(reached, key=reached.get)
-        goal = number(bar.goal) if bar.goal else DASH
-        named = bar.bar if is_number else f"{bar.bar}: {number(asked)}"
-        met = (_met(own, asked, bar.goal), f"{number(reached[most])} by {most}", _met(reached[most], asked, bar.goal))
-        rows.append((WORDS[bar.split], _asked(bar.query), named, goal, number(own), *met, bar.why))
-    heads = (
-        "",
-        "asked about",
-        "bar, %",
-        "goal, %",
-        f"{e.methods[0]}, the default, %",
-        "met",
-        "most, %",
-        "met",
-        "the bar is",
-    )
-    return (
-        section("What it is held to", table(heads, rows), lead="Right answers, the mean over splits.") if rows else ""
-    )
+    standings = [_standing(e, bar) for bar in e.bars]
+    heads, lead = ("", "asked about"), "Right answers, the mean over splits."
+    return bars_section(standings, e.methods[0], heads, least=False, unit="%", lead=lead)
 
 
-def _met(reached: float, bar: float, goal: float | None) -> str:
-    if np.isnan(bar) or np.isnan(reached):
-        return DASH
-    return "no" if reached < bar else "the goal too" if goal and reached >= goal else "yes"
+def _standing(e: RecognitionExperiment, bar: Bar) -> Standing:
+    """The measure is a split and a query; a bar that is a name is that peer's figure."""
+    split, query = bar.measure
+    asked = e.peer(bar.bar, split, query) if isinstance(bar.bar, str) else bar.bar
+    reached = {method: e.percent(method, split, query) for method in e.methods if (method, split) in e.evaluations}
+    return Standing(bar, (WORDS[split], _asked(query)), asked, reached)
 
 
 def _asked(query: str) -> str:
@@ -189,7 +151,7 @@ def _asked(query: str) -> str:
     return words.get(query, f"{query} poses of each clip, in no order")
 
 
-def _table(e: Experiment) -> Markup:
+def _table(e: RecognitionExperiment) -> Markup:
     rows = []
     for split in e.splits:
         run = [method for method in e.methods if (method, split) in e.evaluations]
@@ -220,7 +182,7 @@ def _table(e: Experiment) -> Markup:
     return section("Right answers", table(heads, rows), lead=lead)
 
 
-def _peers(e: Experiment) -> Iterator[Markup]:
+def _peers(e: RecognitionExperiment) -> Iterator[Markup]:
     """The tables of the benchmark, where it was run."""
     blocks = []
     for split, rows in e.peers.items():
@@ -240,7 +202,7 @@ def _plain(value: object) -> str:
     return DASH if value is None else number(value) if isinstance(value, float) else str(value)
 
 
-def _table_5_1(e: Experiment) -> Iterator[Markup]:
+def _table_5_1(e: RecognitionExperiment) -> Iterator[Markup]:
     """The accuracies that the thesis prints, ours below, never frames beside clips."""
     if "5.1" not in e.printed:
         return
@@ -255,33 +217,31 @@ def _table_5_1(e: Experiment) -> Iterator[Markup]:
         "those here; the others "
         "are not to be had, so compare with its random frames only in kind. DMW has no public code."
     )
-    name, words = _title(printed)
-    yield section(
-        f"Beside {name.lower()}", table(("", "from whom to whom", *printed.columns[1:]), rows), lead=f"{words}. {lead}"
-    )
+    shown = table(("", "from whom to whom", *printed.columns[1:]), rows)
+    yield section(f"Beside {printed.number.lower()}", shown, lead=f"{printed.words}. {lead}")
 
 
-def _answers(e: Experiment) -> Iterator[Markup]:
+def _answers(e: RecognitionExperiment) -> Iterator[Markup]:
     """Figures 5.3 and 5.4: what was answered to frames, and to handfuls of them."""
     for split in [name for name in ("frames", "subjects", "published") if (e.methods[0], name) in e.evaluations]:
         own = e.evaluations[e.methods[0], split]
         few = own["handful_confusion"][:, int(np.argmax(own["handfuls"]))].sum(axis=0)
         parts = [
             element("h3", "Single frames (thesis figure 5.3)"),
-            histograms(own["frame_confusion"].sum(axis=0), own["classes"]),
+            histograms(own["frame_confusion"].sum(axis=0), list(own["classes"])),
             element("h3", f"{own['handfuls'].max()} poses of a clip, in no order (in place of thesis figure 5.4)"),
-            histograms(few, own["classes"]),
+            histograms(few, list(own["classes"])),
         ]
         yield section(
             f"Answers: {WORDS[split]}",
             *parts,
-            lead=f"The answers to each action: {action_evaluation.numbered(own['classes'])}.",
+            lead=f"The answers to each action: {action_evaluation.numbered(list(own['classes']))}.",
         )
 
 
-def _confusions(e: Experiment) -> Iterator[Markup]:
+def _confusions(e: RecognitionExperiment) -> Iterator[Markup]:
     """Figure 5.5."""
-    blocks = []
+    blocks: list[Markup] = []
     for split in e.splits:
         for method in e.methods:
             if (method, split) in e.evaluations:
@@ -293,25 +253,19 @@ def _confusions(e: Experiment) -> Iterator[Markup]:
     yield section("Confusions (thesis figure 5.5)", *blocks, lead=lead)
 
 
-def _clusters(e: Experiment) -> Iterator[Markup]:
+def _clusters(e: RecognitionExperiment) -> Iterator[Markup]:
     """Table 5.2: printed and ours, of the thesis' own features; of ours below."""
     printed = e.printed.get("5.2")
     if printed is None:
         return
-    name, words = _title(printed)
-    yield section(name, table(printed.columns, [[cell or DASH for cell in row] for row in printed.rows]), lead=words)
+    shown = table(printed.columns, [[cell or DASH for cell in row] for row in printed.rows])
+    yield section(printed.number, shown, lead=printed.words)
     for method in ("thesis", e.methods[0]):
         if (found := e.evaluations.get((method, "frames"))) is not None:
             yield clusters(found, f"Behaviours: {method}")
 
 
-def _title(printed: Printed) -> tuple[str, str]:
-    """`Table 5.1: of what` as its number and its words, these as a sentence."""
-    name, words = printed.title.split(": ", 1)
-    return name, words[0].upper() + words[1:]
-
-
-def _poses(e: Experiment) -> Iterator[Markup]:
+def _poses(e: RecognitionExperiment) -> Iterator[Markup]:
     """Figure 5.6: of each action the group that counts most, its most frequent behaviours."""
     if e.model is None:
         return
@@ -331,7 +285,7 @@ def _poses(e: Experiment) -> Iterator[Markup]:
     yield section("Behaviours (thesis figure 5.6)", *parts, lead=lead)
 
 
-def _links(e: Experiment) -> Markup:
+def _links(e: RecognitionExperiment) -> Markup:
     names = [(method, split, f"{method}-{split}.evaluation.html") for method, split in e.evaluations]
     links = [element("a", f"{method}: {WORDS[split]}", href=href) for method, split, href in names]
     links += (

@@ -1,21 +1,24 @@
-"""The page and the table of one experiment of chapter 5: `python mocap_page.py NAME OUT.html FILE...`.
+"""The page and the table of one experiment of chapter 5: `python -m experiments.mocap.page NAME OUT.html FILE...`.
 
-NAME is a key of EXPERIMENTS. The files are told apart by their kind: evaluations, named METHOD-SPLIT.evaluation.h5, a
-model, and the table of benchmarks/mocap/peers.py (.json). Beside OUT come X.csv and X.json with all right answers in
-percent.
+NAME is a key of EXPERIMENTS, or takes. The files are told apart by their kind: evaluations, named
+METHOD-SPLIT.evaluation.h5, a model, and the table of benchmarks/mocap/peers.py (.json); takes_page.py has those of
+takes. Beside OUT come X.csv and X.json with all right answers in percent.
 """
 
-import csv
-import io
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 
+from experiments.kit.arguments import Arguments
+from experiments.kit.bars import read_bars
+from experiments.kit.credits import read_credits
+from experiments.kit.printed import Printed, read_printed
+from experiments.kit.run import Findings, quick_lead, run
 from experiments.mocap import experiment as report
-from experiments.mocap.experiment import Bar, Experiment, Printed
-from ipcli.io.files import atomic, h5
+from experiments.mocap import takes_page
+from experiments.mocap.experiment import RecognitionExperiment
+from ipcli.io.files import h5
 
 HERE = Path(__file__).parent
 LEAD = (
@@ -40,48 +43,38 @@ EXPERIMENTS = {
         "199 clips of 10 actions by 10 people before a Kinect, 20 joints, positions alone; the 10 published splits. ",
     ),
 }
-QUICK = "A quick look at the generated motions of sample_data: it shows that everything runs, not how good it is. "
+GENERATED = "the generated motions of sample_data"
 
 
-def gather(name: str, files: list[Path], quick: bool) -> Experiment:
+def gather(arguments: Arguments) -> RecognitionExperiment:
     """The experiment that these files make up."""
+    name, quick = arguments.name, arguments.quick
     evaluations, model, peers = {}, None, {}
-    for path in files:
+    for path in arguments.files:
         if path.suffix == ".json":
             peers = json.loads(path.read_text(encoding="utf-8"))["tables"]
-        elif h5.peek(path).kind == "action-evaluation":
+        elif (kind := h5.peek(path).kind) == "action-evaluation":
             method, split = path.name.removesuffix(".evaluation.h5").split("-", 1)
-            evaluations[method, split] = h5.read(path, "action-evaluation").arrays
+            evaluations[method, split] = h5.read(path, kind).arrays
         else:
             model = h5.read(path, "behaviours").arrays
     title, lead = EXPERIMENTS[name]
     how = LEAD.format(
         mirror="" if name == "hdm05" else " but for the mirror images of all clips, which are learnt as well (--mirror)"
     )
-    lead = QUICK if quick else lead
-    printed = {number: read_printed(number) for number in ("5.1", "5.2")} if name == "hdm05" else {}
-    return Experiment(title, lead + how, evaluations, model, [] if quick else read_bars(name), printed, peers)
+    lead = quick_lead(GENERATED) if quick else lead
+    bars = [] if quick else read_bars(HERE / "bars.csv", name)
+    credits = [] if quick else read_credits(HERE / "data.csv", name)
+    printed = {number: printed_table(number) for number in ("5.1", "5.2")} if name == "hdm05" else {}
+    return RecognitionExperiment(title, lead + how, evaluations, model, bars, printed, peers, credits)
 
 
-def read_printed(number: str) -> Printed:
+def printed_table(number: str) -> Printed:
     """A table of the thesis."""
-    title, head, *lines = (HERE / "thesis" / f"{number}.csv").read_text(encoding="utf-8").splitlines()
-    return Printed(title.removeprefix("# "), tuple(head.split(",")), tuple(tuple(row) for row in csv.reader(lines)))
+    return read_printed(HERE / "thesis" / f"{number}.csv")
 
 
-def read_bars(name: str) -> list[Bar]:
-    """What the experiment is held to."""
-    rows = csv.DictReader(
-        line for line in (HERE / "bars.csv").read_text(encoding="utf-8").splitlines() if line[0] != "#"
-    )
-    return [
-        Bar(row["split"], row["query"], row["bar"], float(row["goal"]) if row["goal"] else None, row["why"])
-        for row in rows
-        if row["experiment"] == name
-    ]
-
-
-def rows_of(e: Experiment) -> list[dict[str, object]]:
+def rows_of(e: RecognitionExperiment) -> list[dict[str, object]]:
     """A row for each method, split and query."""
     rows = []
     for method, split in e.evaluations:
@@ -102,18 +95,15 @@ def rows_of(e: Experiment) -> list[dict[str, object]]:
     return rows
 
 
-def write_table(out: Path, e: Experiment) -> None:
-    """All figures as CSV and JSON."""
-    rows, text = rows_of(e), io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    atomic.write_text(out.with_suffix(".csv"), text.getvalue())
-    atomic.write_text(out.with_suffix(".json"), json.dumps({"title": e.title, "rows": rows}, indent=1) + "\n")
+def make(arguments: Arguments) -> Findings:
+    """The page and the table of one experiment."""
+    if arguments.name == takes_page.NAME:
+        lead = quick_lead(GENERATED) if arguments.quick else ""
+        credits = [] if arguments.quick else read_credits(HERE / "data.csv", takes_page.NAME)
+        return takes_page.make(arguments.files, lead, credits)
+    e = gather(arguments)
+    return Findings(report.page(e), rows_of(e), {"title": e.title})
 
 
 if __name__ == "__main__":
-    quick, (name, out, *files) = "--quick" in sys.argv, [argument for argument in sys.argv[1:] if argument != "--quick"]
-    experiment = gather(name, [Path(file) for file in files], quick)
-    write_table(Path(out), experiment)
-    atomic.write_text(Path(out), report.page(experiment))
+    run([*EXPERIMENTS, takes_page.NAME], make)

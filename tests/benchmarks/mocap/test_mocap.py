@@ -7,7 +7,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from benchmarks.mocap import methods, peers
+from benchmarks.mocap import gibbs, methods, peers, speed
 from benchmarks.mocap.problem import by_group, filled, loose, open_problem
 from ipcli.measurements.motions import mirrored
 from ipcli.models.mocap.parameters import MOTION
@@ -151,3 +151,28 @@ def test_the_comparison_has_all_its_rows_and_frames_in_any_order_are_the_same_to
     for rows in tables.values():
         assert [row["method"] for row in rows] == methods
         assert all(row["shuffled clips %"] == row["whole clips %"] for row in rows[:2])
+
+
+@pytest.mark.slow
+def test_the_mixtures_have_all_their_rows_and_ours_finds_the_planted_clusters(tmp_path):
+    gibbs.main(["--quick", "--output", str(tmp_path)])
+    case, many, density = json.loads((tmp_path / "bayes_gibbs.json").read_text())["tables"].values()
+    rows = {row["method"]: row for row in case}
+    assert not any("failed" in row for row in case)
+    assert rows["ipcli, whole fit"]["VI to the truth"] < 0.2
+    assert [row["executor"] for row in many] == ["serial", "processes:2"]
+    assert [row["draws"] for row in density] == list(gibbs.DRAWS)
+
+
+@pytest.mark.slow
+def test_a_quick_look_at_the_speed_has_all_its_rows(tmp_path):
+    speed.main(["--clips", "sample_data/motions", "--quick", "--output", str(tmp_path)])
+    found = json.loads((tmp_path / "mocap_speed.json").read_text())
+    learning, steps, commands = found["tables"].values()
+    assert [(row["what"], row["executor"]) for row in learning] == [
+        (what, executor) for what in speed.MODELS for executor in speed.EXECUTORS
+    ]
+    assert [row["step"] for row in steps] == ["features", "densities", "answers", "all"]
+    assert [row["frames"] for row in commands] == [2000, 4000]
+    assert all(row["seconds"] > 0 for rows in (learning, steps, commands) for row in rows)
+    assert {"exponent of seconds", "exponent of MB"} <= found["facts"].keys()

@@ -5,12 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.fixtures.pages import sound
+from tests.fixtures.report_artefacts import evaluation
 
+from experiments.kit.bars import Bar
+from experiments.kit.printed import Printed
 from experiments.mocap import experiment as report
-from experiments.mocap.experiment import Bar, Experiment, Printed
+from experiments.mocap.experiment import RecognitionExperiment
 from ipcli.report.kit.numbers import DASH
-from tests.report.fusion.test_pages import sound
-from tests.report.mocap.test_pages import evaluation
 
 CLASSES = np.array(["kick", "sit", "squat"])
 PEERS = {
@@ -34,15 +36,15 @@ def experiment():
     other = evaluation(1) | {"classes": CLASSES, "split": np.array("frames"), "handfuls": np.array([20])}
     other["handful_confusion"] = other["handful_confusion"][:, :1]
     bars = [
-        Bar("leave-one-out", "frames", "50", 60.0, "a"),
-        Bar("leave-one-out", "clips", "k-NN", None, "b"),
-        Bar("leave-one-out", "20", "LDA", None, "c"),
+        Bar(("leave-one-out", "frames"), 50.0, 60.0, "a"),
+        Bar(("leave-one-out", "clips"), "k-NN", None, "b"),
+        Bar(("leave-one-out", "20"), "LDA", None, "c"),
     ]
     printed = {
         "5.1": Printed("Table 5.1: accuracy", ("", "frames %", "clips %"), (("X", "93.86", ""),)),
         "5.2": Printed("Table 5.2: n", ("a", "b"), (("K", ""),)),
     }
-    return Experiment(
+    return RecognitionExperiment(
         "T", "L", {("aligned", "leave-one-out"): one, ("thesis", "frames"): other}, None, bars, printed, PEERS
     )
 
