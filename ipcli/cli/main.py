@@ -29,30 +29,41 @@ class Command(NamedTuple):
     is_script: bool = False
 
 
-COMMANDS = {
-    "compare": Command("ipcli.cli.compare:main", "Compare methods by their errors over scenes."),
-    "evaluate-fusion": Command(
-        "ipcli.cli.evaluate_fusion:main", "Measure the errors of all fusion methods on a scene."
-    ),
-    "fuse-depth": Command("ipcli.cli.fuse_depth:main", "Fuse depth maps of several views into one.", is_script=True),
-    "import-clips": Command(
-        "ipcli.cli.import_clips:main", "Turn motion capture files into one file of labelled clips."
-    ),
-    "import-views": Command(
-        "ipcli.cli.import_views:main", "Turn a folder of depth maps and poses into one views file."
-    ),
-    "info": Command("ipcli.cli.info:main", "Tell what a file holds and how it was made."),
-    "kitti-views": Command("ipcli.cli.kitti_views:main", "Make views of KITTI stereo pairs."),
-    "mocap-classify": Command("ipcli.cli.mocap_classify:main", "Name the action of a motion.", is_script=True),
-    "mocap-evaluate": Command("ipcli.cli.mocap_evaluate:main", "Tell how often actions are named right."),
-    "mocap-train": Command(
-        "ipcli.cli.mocap_train:main", "Learn the behaviours of actions from motions.", is_script=True
-    ),
-    "render-views": Command("ipcli.cli.render_views:main", "Render depth maps of a mesh, with noise if wanted."),
-    "merge-depth": Command("ipcli.cli.merge_depth:main", "Join fused depth maps into one coloured cloud."),
-    "report": Command("ipcli.cli.report:main", "Turn artefacts into one HTML page."),
-    "tune-fusion": Command("ipcli.cli.tune_fusion:main", "Find the best weight of the data for each fusion method."),
+SECTIONS = {  # a section a chapter, in the order in which its help lists them
+    "Depth fusion": {
+        "fuse-depth": Command(
+            "ipcli.cli.fuse_depth:main", "Fuse depth maps of several views into one.", is_script=True
+        ),
+        "merge-depth": Command("ipcli.cli.merge_depth:main", "Join fused depth maps into one coloured cloud."),
+        "import-views": Command(
+            "ipcli.cli.import_views:main", "Turn a folder of depth maps and poses into one views file."
+        ),
+        "kitti-views": Command("ipcli.cli.kitti_views:main", "Make views of KITTI stereo pairs."),
+        "render-views": Command("ipcli.cli.render_views:main", "Render depth maps of a mesh, with noise if wanted."),
+        "tune-fusion": Command(
+            "ipcli.cli.tune_fusion:main", "Find the best weight of the data for each fusion method."
+        ),
+        "evaluate-fusion": Command(
+            "ipcli.cli.evaluate_fusion:main", "Measure the errors of all fusion methods on a scene."
+        ),
+        "compare": Command("ipcli.cli.compare:main", "Compare methods by their errors over scenes."),
+    },
+    "Action recognition": {
+        "mocap-train": Command(
+            "ipcli.cli.mocap_train:main", "Learn the behaviours of actions from motions.", is_script=True
+        ),
+        "mocap-classify": Command("ipcli.cli.mocap_classify:main", "Name the action of a motion.", is_script=True),
+        "mocap-evaluate": Command("ipcli.cli.mocap_evaluate:main", "Tell how often actions are named right."),
+        "import-clips": Command(
+            "ipcli.cli.import_clips:main", "Turn motion capture files into one file of labelled clips."
+        ),
+    },
+    "Any artefact": {
+        "info": Command("ipcli.cli.info:main", "Tell what a file holds and how it was made."),
+        "report": Command("ipcli.cli.report:main", "Turn artefacts into one HTML page."),
+    },
 }
+COMMANDS = {name: command for section in SECTIONS.values() for name, command in section.items()}
 
 
 def load(name: str) -> click.Command:
@@ -80,8 +91,10 @@ class LazyGroup(click.Group):
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, command.help) for name, command in COMMANDS.items()])
+        widest = max(map(len, COMMANDS))
+        for title, commands in SECTIONS.items():
+            with formatter.section(title):
+                formatter.write_dl([(name.ljust(widest), command.help) for name, command in commands.items()])
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})

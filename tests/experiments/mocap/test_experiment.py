@@ -9,8 +9,8 @@ import pytest
 from experiments.mocap import experiment as report
 from experiments.mocap.experiment import Bar, Experiment, Printed
 from ipcli.report.kit.numbers import DASH
-from tests.report.fusion.test_pages import sound
-from tests.report.mocap.test_pages import evaluation
+from tests.fixtures.pages import sound
+from tests.fixtures.report_artefacts import evaluation
 
 CLASSES = np.array(["kick", "sit", "squat"])
 PEERS = {
