@@ -107,7 +107,7 @@ def parameters(cls: type) -> Callable[[Callable], Callable]:
             params = resolve(cls, config=config, env=os.environ, sets=sets, flags=flags)
             return command(params=params, **given)
 
-        body.epilog = _epilog(cls)
+        body.parameters, body.epilog = cls, _epilog(cls)
         decorators = [SET, CONFIG, *(_flag(leaf) for leaf in reversed(flagged))]
         return functools.reduce(lambda function, decorate: decorate(function), decorators, body)
 
