@@ -1,4 +1,5 @@
-# make demo | test | verify | clean; PYTHON=python3.12 chooses the interpreter that .venv is made from.
+# make demo | test | verify | lint | clean; PYTHON=python3.12 chooses the interpreter that .venv is made from,
+# WORKERS=1 how many processes share the tests.
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -6,7 +7,10 @@ INSTALLED := .venv/.installed
 DEMO := build/demo
 FEW_SWEEPS := --set learning.mixture.sweeps=30 --set learning.mixture.burn_in=15
 
-.PHONY: demo test verify clean
+WORKERS ?= logical
+PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadscope
+
+.PHONY: demo test verify lint clean
 .DELETE_ON_ERROR:
 
 demo: $(INSTALLED)
@@ -17,13 +21,18 @@ demo: $(INSTALLED)
 	@for page in shapes.fused motions.model motions.recognition; do echo "  $(CURDIR)/$(DEMO)/$$page.html"; done
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest
+	$(PYTEST)
 
 verify: $(INSTALLED)
-	$(BIN)/python -m pytest -m ""
+	$(PYTEST) -m ""
+
+lint: $(INSTALLED)
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
 
 clean:
-	rm -rf .venv build ipcli.egg-info .pytest_cache .hypothesis
+	rm -rf .venv build ipcli.egg-info .pytest_cache .hypothesis .ruff_cache .mypy_cache
 	find ipcli tests tools -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(INSTALLED): pyproject.toml

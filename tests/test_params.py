@@ -53,7 +53,11 @@ def resolve_from(tmp_path, **given):
     return params.resolve(Example, config=config, env=env, sets=sets, flags=flags).solver.iterations
 
 
-@pytest.mark.parametrize("given", [set(c) for n in range(4) for c in itertools.combinations(SOURCES, n)], ids=str)
+@pytest.mark.parametrize(
+    "given",
+    [c for n in range(4) for c in itertools.combinations(SOURCES, n)],
+    ids=lambda given: "+".join(given) or "defaults",
+)
 @pytest.mark.parametrize("command_line", ["set", "flag"])
 def test_precedence_in_every_combination_of_sources(tmp_path, given, command_line):
     values = {"file": 11, "env": "22", "set": "33"}

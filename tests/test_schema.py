@@ -21,11 +21,10 @@ def example(kind):
     return arrays
 
 
-CASES = [(kind, name) for kind in KINDS for name in example(kind)]
-IDS = [f"{kind.name}-{name}" for kind, name in CASES]
+each_kind = pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 
 
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+@each_kind
 def test_every_generated_artefact_is_valid(kind):
     @given(artefacts(kind))
     def valid(arrays):
@@ -34,55 +33,57 @@ def test_every_generated_artefact_is_valid(kind):
     valid()
 
 
-@pytest.mark.parametrize(("kind", "name"), CASES, ids=IDS)
-def test_a_missing_field_is_named_unless_optional(kind, name):
-    arrays = example(kind)
-    del arrays[name]
-    if kind.field(name)[0].optional:
-        schema.validate(kind, arrays)
-    else:
-        with pytest.raises(schema.SchemaError, match=f"^{name}: missing"):
+@each_kind
+def test_a_missing_field_is_named_unless_optional(kind):
+    for name in example(kind):
+        arrays = example(kind)
+        del arrays[name]
+        if kind.field(name)[0].optional:
+            schema.validate(kind, arrays)
+        else:
+            with pytest.raises(schema.SchemaError, match=f"^{name}: missing"):
+                schema.validate(kind, arrays)
+
+
+@each_kind
+def test_a_wrong_dtype_is_named_with_the_right_one(kind):
+    for name, array in example(kind).items():
+        arrays = example(kind) | {name: np.zeros(array.shape, np.complex64)}
+        right = kind.field(name)[0].dtype
+        with pytest.raises(schema.SchemaError, match=f"{name}: wrong dtype .expected {right}, got complex64"):
             schema.validate(kind, arrays)
 
 
-@pytest.mark.parametrize(("kind", "name"), CASES, ids=IDS)
-def test_a_wrong_dtype_is_named_with_the_right_one(kind, name):
-    arrays = example(kind)
-    arrays[name] = np.zeros(arrays[name].shape, np.complex64)
-    with pytest.raises(
-        schema.SchemaError, match=f"{name}: wrong dtype .expected {kind.field(name)[0].dtype}, got complex64"
-    ):
-        schema.validate(kind, arrays)
+@each_kind
+def test_one_dimension_more_is_refused(kind):
+    for name, array in example(kind).items():
+        with pytest.raises(schema.SchemaError, match=f"^{name}: wrong shape"):
+            schema.validate(kind, example(kind) | {name: array[None]})
 
 
-@pytest.mark.parametrize(("kind", "name"), CASES, ids=IDS)
-def test_one_dimension_more_is_refused(kind, name):
-    arrays = example(kind)
-    arrays[name] = arrays[name][None]
-    with pytest.raises(schema.SchemaError, match=f"^{name}: wrong shape"):
-        schema.validate(kind, arrays)
+def shared_lengths(kind):
+    """(name, axis, dim, name of the first field that has this dim) wherever a field repeats the length of another."""
+    first = {}
+    for name in example(kind):
+        field, item = kind.field(name)
+        for axis, dim in enumerate(field.dims):
+            if isinstance(dim, str) and first.setdefault((item, dim), name) != name:
+                yield name, axis, dim, first[item, dim]
 
 
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+@each_kind
 def test_lengths_that_disagree_name_the_other_field(kind):
-    arrays = example(kind)
-    first, other, dim = {
-        "views": ("views/a/depth", "views/a/confidence", "w"),
-        "depth": ("depth", "confidence", "w"),
-        "fusion-comparison": ("methods", "values", "m"),
-        "fusion-tuning": ("methods", "best", "m"),
-        "fusion-trials": ("methods", "lambdas", "m"),
-        "fusion-cloud": ("maps", "map_points", "m"),
-        "clips": ("clips", "labels", "c"),
-        "behaviours": ("actions", "frames", "a"),
-        "action-recognition": ("clips", "answers", "q"),
-        "action-evaluation": ("classes", "components", "c"),
-    }[kind.name]
-    axis = kind.field(other)[0].dims.index(dim)
-    length = arrays[first].shape[-1]
-    arrays[other] = np.repeat(arrays[other], 2, axis=axis)
-    with pytest.raises(schema.SchemaError, match=f"{other}: wrong shape .*{dim} = {length} as in {first}, got "):
-        schema.validate(kind, arrays)
+    for name, axis, dim, other in shared_lengths(kind):
+        arrays = example(kind)
+        length = arrays[name].shape[axis]
+        arrays[name] = np.repeat(arrays[name], 2, axis=axis)
+        with pytest.raises(schema.SchemaError, match=f"{name}: wrong shape .*{dim} = {length} as in {other}, got "):
+            schema.validate(kind, arrays)
+
+
+def test_lengths_are_shared_in_the_kinds_that_are_known_to():
+    shared = {(kind.name, dim) for kind in KINDS for _, _, dim, _ in shared_lengths(kind)}
+    assert {("views", "w"), ("fusion-cloud", "m"), ("clips", "c"), ("action-evaluation", "c")} <= shared
 
 
 def test_items_of_a_collection_have_sizes_of_their_own():
@@ -135,7 +136,7 @@ def test_an_unknown_kind_names_the_nearest():
         schema.kind("deth")
 
 
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+@each_kind
 def test_no_dataset_name_fits_two_fields(kind):
     for name in example(kind):
         assert sum(field.match(name) is not None for field in kind.fields) == 1

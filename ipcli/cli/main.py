@@ -30,7 +30,7 @@ class Command(NamedTuple):
 
 
 SECTIONS = {
-    "Depth maps (chapter 4)": {
+    "Depth fusion": {
         "fuse-depth": Command("Fuse depth maps of several views into one.", is_script=True),
         "merge-depth": Command("Join fused depth maps into one coloured cloud."),
         "import-views": Command("Turn a folder of depth maps and poses into one views file."),
@@ -40,13 +40,13 @@ SECTIONS = {
         "evaluate-fusion": Command("Measure the errors of all fusion methods on a scene."),
         "compare": Command("Compare methods by their errors over scenes."),
     },
-    "Motions (chapter 5)": {
+    "Action recognition": {
         "mocap-train": Command("Learn the behaviours of actions from motions.", is_script=True),
         "mocap-classify": Command("Name the action of a motion.", is_script=True),
         "mocap-evaluate": Command("Tell how often actions are named right."),
         "import-clips": Command("Turn motion capture files into one file of labelled clips."),
     },
-    "Any result": {
+    "Any artefact": {
         "info": Command("Tell what a file holds and how it was made."),
         "report": Command("Draw an artefact as an HTML page."),
     },

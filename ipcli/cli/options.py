@@ -114,7 +114,7 @@ def parameters(cls: type) -> Callable[[Callable], Callable]:
             params = resolve(cls, config=config, env=os.environ, sets=sets, flags=flags)
             return command(params=params, **given)
 
-        body.__dict__["epilog"] = _epilog(cls)  # where main.load finds it
+        body.__dict__.update(parameters=cls, epilog=_epilog(cls))  # where main.load and the tests find them
         decorators = [SET, CONFIG, *(_flag(leaf) for leaf in reversed(flagged))]
         return functools.reduce(lambda function, decorate: decorate(function), decorators, body)
 

@@ -198,7 +198,8 @@ def run_python(code, **more):
 
 
 ENDLESS = """
-import sys, types, time, click
+import signal, sys, types, time, click
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where the shell that started the tests ignores it
 from ipcli.cli import main
 @click.command("endless")
 def endless():
@@ -211,6 +212,15 @@ sys.exit(main.main(["endless"]))
 """
 
 
+@pytest.fixture(params=["as usual", "ignored"])
+def interrupts(request):
+    """What a child finds when it starts: a shell that runs the tests in the background ignores interrupts."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN if request.param == "ignored" else signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interrupts")
 def test_ctrl_c_ends_with_130():
     with run_python(ENDLESS) as process:
         process.stdout.readline()

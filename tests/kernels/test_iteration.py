@@ -13,32 +13,7 @@ from ipcli.inverse.regularize.operators import (
 )
 from ipcli.inverse.regularize.proximal import project_balls
 from ipcli.kernels import iteration as kernels
-
-SHAPES = [(1, 1), (1, 7), (6, 1), (2, 2), (5, 8), (13, 17)]
-TAU, TAU_V, SIGMA, ALPHA0, RHO = (np.float32(value) for value in (0.21, 0.17, 0.4, 1.3, 1.7))
-each_shape = pytest.mark.parametrize("shape", SHAPES, ids=str)
-
-
-def exist(c, shape):
-    """1 where a difference stays inside the image: the components of grad (c = 2) or of E (c = 3)."""
-    mask = np.ones((c, *shape), np.float32)
-    if c == 2:
-        mask[0, :, -1] = mask[1, -1] = 0
-    else:
-        mask[0, :, 0] = mask[1, 0] = mask[2, 0] = mask[2, :, 0] = 0
-    return mask
-
-
-def point(shape, seed=0):
-    """x, v, p, q with the duals zero where there is no difference."""
-    rng = np.random.default_rng(seed)
-    x, v, p, q = (rng.normal(size=(*c, *shape)).astype(np.float32) for c in ((), (2,), (2,), (3,)))
-    return x, v, p * exist(2, shape), q * exist(3, shape)
-
-
-def radii(shape):
-    """A first-order weight that varies over the image."""
-    return np.random.default_rng(5).uniform(0.3, 1.5, shape).astype(np.float32)
+from tests.fixtures.primal_dual import ALPHA0, RHO, SIGMA, TAU, TAU_V, each_shape, exist, point, radii
 
 
 @each_shape

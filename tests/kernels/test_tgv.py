@@ -9,7 +9,7 @@ from ipcli.inverse.regularize.operators import (
     symmetrised_gradient_adjoint,
 )
 from ipcli.kernels import tgv as kernels
-from tests.kernels.test_iteration import ALPHA0, each_shape, exist, point, radii
+from tests.fixtures.primal_dual import ALPHA0, each_shape, exist, point, radii
 
 
 @each_shape

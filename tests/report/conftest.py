@@ -1,11 +1,12 @@
-"""A small synthetic "fused-depth" artefact, complete and valid, from which the tests take parts away."""
+"""What pages are made of: artefacts small and large, and where they are from."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from tests.fixtures.fused import HOSTILE, fused_artefact, scene, texts  # noqa: F401 (tests import them from here)
+from tests.fixtures.pages import HOSTILE
+from tests.fixtures.report_artefacts import fused_artefact, scene
 
 
 @pytest.fixture

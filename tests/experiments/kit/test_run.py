@@ -6,7 +6,6 @@ import sys
 
 import numpy as np
 import pytest
-from tests.fixtures.pages import sound
 
 from experiments.kit import figures
 from experiments.kit.arguments import Arguments, parse_arguments
@@ -16,6 +15,7 @@ from ipcli.report.kit.curves import Series
 from ipcli.report.kit.page import section
 from ipcli.report.kit.pictures import robust
 from tests.fixtures.makefile import ROOT, make
+from tests.fixtures.pages import sound
 
 CHAPTER = """# Toys: make experiments/toy-box
 BOX := $(call experiment,toy,box)

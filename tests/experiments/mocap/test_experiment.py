@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.fixtures.pages import sound
-from tests.fixtures.report_artefacts import evaluation
 
 from experiments.kit.bars import Bar
 from experiments.kit.printed import Printed
 from experiments.mocap import experiment as report
 from experiments.mocap.experiment import RecognitionExperiment
 from ipcli.report.kit.numbers import DASH
+from tests.fixtures.pages import sound
+from tests.fixtures.report_artefacts import evaluation
 
 CLASSES = np.array(["kick", "sit", "squat"])
 PEERS = {

@@ -13,16 +13,9 @@ from ipcli.geometry.surface import normals
 from ipcli.measurements.views import View
 from ipcli.models.fusion.merge import FusedMap, Glance, confirmed, depth_noise, merge, neighbours
 from ipcli.models.fusion.parameters import Merge
-from tests.fixtures.fusion_scenes import BALL, RADIUS, WALL, pose_at, scene
+from tests.fixtures.fusion_scenes import WALL, distance, pose_at, scene
 
 NOISE = 0.004  # of the maps, which are fused already
-
-
-def distance(points):
-    """Of points (n, 3) in the world to the nearest surface of the scene."""
-    wall = np.abs(points @ WALL - 2.5) / np.linalg.norm(WALL)
-    ball = np.abs(np.linalg.norm(points - BALL, axis=1) - RADIUS)
-    return np.minimum(wall, ball)
 
 
 def fused(view: View, noise=NOISE) -> FusedMap:

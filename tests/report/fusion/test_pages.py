@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import re
 import time
-from base64 import b64decode
-from html.parser import HTMLParser
 
-import cv2
 import numpy as np
 import pytest
 
@@ -15,57 +12,10 @@ from ipcli import schema
 from ipcli.errors import ParameterError
 from ipcli.report import needed, renderer
 from ipcli.report.fusion import accuracy, fused_depth, views
-from ipcli.report.kit import page as parts
-from tests.report.conftest import HOSTILE, fused_artefact
+from tests.fixtures.pages import ESCAPED, HOSTILE, decoded, sound
+from tests.fixtures.report_artefacts import fused_artefact
 
-ESCAPED = "&lt;script&gt;"
 TRUTH = ("truth", "metrics", "metric_rows", "metric_columns")
-
-
-class Balance(HTMLParser):
-    """Collects pictures, links and text, and insists that every element is closed in turn."""
-
-    def __init__(self, html: str):
-        super().__init__()
-        self.open, self.pictures, self.links, self.tags, self.cells = [], [], [], set(), []
-        self.feed(html)
-        self.close()
-        assert self.open == []
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.add(tag)
-        attributes = dict(attrs)
-        assert len(attributes) == len(attrs), f"an attribute of <{tag}> is given twice"
-        self.links += [value for name, value in attrs if name in ("src", "href", "srcset", "action")]
-        if tag == "img":
-            self.pictures.append(attributes)
-        if tag not in parts.VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-
-def decoded(uri: str) -> np.ndarray:
-    image = cv2.imdecode(np.frombuffer(b64decode(uri.partition(",")[2], validate=True), np.uint8), cv2.IMREAD_COLOR)
-    assert image is not None
-    return image
-
-
-def sound(html: str) -> Balance:
-    """Balanced, self-contained, every picture whole and of the size it claims, nothing undefined shown."""
-    page = Balance(html)
-    assert all(link.startswith("data:image/") for link in page.links)
-    assert not page.tags & {"script", "link", "iframe", "object"}
-    assert "url(" not in html
-    assert "@import" not in html
-    for picture in page.pictures:
-        image = decoded(picture["src"])
-        if "width" in picture:
-            assert image.shape[:2] == (int(picture["height"]), int(picture["width"]))
-    visible = re.sub(r"data:[^\"]*|<style>.*?</style>", "", html, flags=re.DOTALL)
-    assert not re.search(r"\bnan\b|\bNone\b|\binf\b", visible)
-    return page
 
 
 def without(artefact, *names):

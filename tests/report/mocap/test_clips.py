@@ -8,8 +8,8 @@ import pytest
 from ipcli import schema
 from ipcli.io.motion.kinect import KINECT
 from ipcli.report.mocap import clips
-from tests.report.conftest import HOSTILE, texts
-from tests.report.fusion.test_pages import ESCAPED, Balance
+from tests.fixtures.pages import ESCAPED, HOSTILE, Balance
+from tests.fixtures.report_artefacts import texts
 
 
 def artefact(joints=KINECT.joints, parents=KINECT.parents):

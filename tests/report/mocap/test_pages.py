@@ -8,41 +8,8 @@ import pytest
 from ipcli import schema
 from ipcli.report.mocap import action_evaluation, action_recognition
 from ipcli.report.mocap.action_evaluation import accuracy, mean_and_spread
-from tests.report.conftest import HOSTILE, texts
-from tests.report.fusion.test_pages import ESCAPED, sound
-
-ACTIONS = texts("kick", HOSTILE, "squat")
-GROUPS = texts("legs", "arms")
-
-
-def evaluation(splits=3):
-    rng = np.random.default_rng(1)
-    confusions = rng.poisson(3, (splits, 3, 3)) + 20 * np.eye(3, dtype=np.int64)
-    n = 12 * splits
-    truth = np.arange(n) % 3
-    low = rng.integers(2, 6, (splits, 3, 2)).astype(float)
-    return {
-        "split": np.array("leave-one-out"),
-        "splits": np.array([f"without {name}" for name in "abc"[:splits]]),
-        "classes": ACTIONS,
-        "groups": GROUPS,
-        **{
-            f"{part}_{what}": rng.integers(10, 99, splits) for part in ("train", "test") for what in ("clips", "frames")
-        },
-        "sequence_confusion": confusions,
-        "frame_confusion": 10 * confusions,
-        "pose_sequence_confusion": confusions,
-        "pose_frame_confusion": 10 * confusions,
-        "handfuls": np.array([20, 1]),
-        "handful_confusion": np.stack([confusions, confusions], axis=1),
-        "group_frame_accuracy": rng.random((splits, 2)),
-        "components": np.stack([low + 1, low, low + 3], axis=-1),
-        "clips": np.array([f"clip {index}" for index in range(n)]),
-        "clip_split": np.arange(n) // 12,
-        "clip_truth": truth,
-        "clip_answer": np.where(np.arange(n) % 5, truth, (truth + 1) % 3),
-        "clip_posterior": rng.random(n),
-    }
+from tests.fixtures.pages import ESCAPED, HOSTILE, sound
+from tests.fixtures.report_artefacts import ACTIONS, GROUPS, evaluation, texts
 
 
 def recognition_artefact(queries="clip", n=7):

@@ -17,8 +17,7 @@ from ipcli.report.fusion.fusion_cloud import page
 from ipcli.stages.fusion import fuse_depth, merge_depth
 from ipcli.stages.fusion.parameters import FuseDepth, MergeDepth
 from ipcli.stages.kit.artefact import Outcome
-from tests.fixtures.fusion_scenes import scene, write
-from tests.models.fusion.test_merge import distance
+from tests.fixtures.fusion_scenes import distance, scene, write
 
 NOISE = 0.02
 

@@ -14,8 +14,8 @@ from ipcli.params import Run
 from ipcli.stages.kit import report
 from ipcli.stages.kit.artefact import Outcome
 from ipcli.stages.kit.parameters import Report
-from tests.fixtures.fused import fused_artefact
 from tests.fixtures.fusion_scenes import scene, write
+from tests.fixtures.report_artefacts import fused_artefact
 
 PROVENANCE = {"command": "fuse-depth", "ipcli": "0.1.0", "params": {}, "seed": 0, "inputs": [], "digest": "cd" * 32}
 
