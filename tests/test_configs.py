@@ -6,10 +6,10 @@ import pytest
 
 from ipcli import params
 from ipcli.stages.fusion import fuse_depth
-from ipcli.stages.mocap import mocap_train
+from ipcli.stages.mocap.parameters import MocapTrain
 
 CONFIGS = Path(__file__).parent.parent / "configs"
-CLASSES = {"fuse-depth": fuse_depth.Params, "mocap-train": mocap_train.Params}
+CLASSES = {"fuse-depth": fuse_depth.Params, "mocap-train": MocapTrain}
 
 
 @pytest.mark.parametrize("path", sorted(CONFIGS.glob("*/*.toml")), ids=lambda path: path.stem)

@@ -11,7 +11,7 @@
 
 DATA ?= $(or $(IPCLI_DATA),../shared/data)
 EXECUTOR ?= serial
-FEW := --handfuls 20,5,1
+FEW := --unordered 20,5,1
 HDM05_SOURCE := $(DATA)/mocap/hdm05_smij11/hdm05_smij11_raw_asf_amc.tar.xz
 FLORENCE_SOURCE := $(DATA)/mocap/florence3d
 UTKINECT_SOURCE := $(DATA)/mocap/utkinect/utkinect.tar.xz
