@@ -132,8 +132,8 @@ def test_an_unknown_field_is_refused_with_a_suggestion(name):
 
 
 def test_an_unknown_kind_names_the_nearest():
-    with pytest.raises(schema.SchemaError, match="'deth'; did you mean 'depth'"):
-        schema.kind("deth")
+    with pytest.raises(schema.SchemaError, match="'fused-deth'; did you mean 'fused-depth'"):
+        schema.kind("fused-deth")
 
 
 @each_kind

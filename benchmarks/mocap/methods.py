@@ -149,11 +149,11 @@ class Behaviours(FrameWise):
         self.settings, self.decision = Learning(spread=spread), Decision()
 
     def fit(self, clips: Clips, labels: np.ndarray) -> None:
-        from ipcli.models.mocap import behaviours
+        from ipcli.models.mocap import training
 
         self.classes, action = np.unique(labels, return_inverse=True)
         actions = np.repeat(action, [len(clip) for clip in clips])
-        self.model = behaviours.train(
+        self.model = training.train(
             by_group(np.concatenate(clips)), actions, tuple(self.classes), self.settings, np.random.default_rng(0)
         )
 
@@ -180,7 +180,7 @@ class Variational(Behaviours):
 
         self.classes, action = np.unique(labels, return_inverse=True)
         actions = np.repeat(action, [len(clip) for clip in clips])
-        rows = behaviours.draw_frames(actions, len(self.classes), self.settings, np.random.default_rng(0))
+        rows = behaviours.draw_frames(actions, self.classes, self.settings, np.random.default_rng(0))
         features = {group: x[rows] for group, x in behaviours.with_body(by_group(np.concatenate(clips)), True).items()}
         projections = behaviours.fit_projections(features, actions[rows], self.settings)
         cells = [

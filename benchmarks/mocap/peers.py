@@ -24,7 +24,7 @@ from benchmarks.mocap.methods import METHODS, NEEDS
 from benchmarks.mocap.problem import LabelledClips, loose, open_problem
 
 HANDFULS = (20, 5, 1)  # unordered frames of a clip
-SAMPLES = 3  # handfuls from each clip
+SAMPLES = 3  # draws of unordered frames from each clip
 WARM = 12  # clips with which a method is tried before it is timed
 
 
@@ -77,7 +77,7 @@ def protocols(
 
 
 def queries(problem: LabelledClips, split: SplitOfClips, kind: str | int) -> Iterator[tuple[int, np.ndarray]]:
-    """(clip, frames) of each question: whole clips, whole clips with their frames shuffled, or handfuls of so many
+    """(clip, frames) of each question: whole clips, whole clips with their frames shuffled, or unordered draws of so many
     frames.
     """
     for clip in np.flatnonzero(split.test):

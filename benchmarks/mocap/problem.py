@@ -11,8 +11,10 @@ import numpy as np
 
 from ipcli.measurements.motions import mirrored
 from ipcli.models.mocap import features
+from ipcli.models.mocap.motions import Motions
 from ipcli.models.mocap.parameters import MOTION, Features
-from ipcli.stages.mocap.motions import Motions, Reading, read
+from ipcli.stages.mocap.parameters import ClipReading
+from ipcli.stages.mocap.reading import read
 
 RATE = 30.0  # Hz
 
@@ -101,6 +103,6 @@ def filled(positions: np.ndarray) -> np.ndarray:
 
 def open_problem(path: Path, *, published: bool) -> LabelledClips:
     """The clips of an artefact, with the splits that came with them if wanted."""
-    motions = read([path], Reading(rate=RATE), "auto")
+    motions = read([path], ClipReading(rate=RATE), "auto")
     labels = np.array([clip.label for clip in motions.clips], np.str_)
     return LabelledClips(motions, labels, motions.actors, list(motions.splits.values()) if published else [])

@@ -73,19 +73,17 @@ def recognised(model: str, clips: str, output: str) -> dict[str, float]:
 
 def answered(model: str, clips: str) -> list[dict[str, Any]]:
     """Seconds of the steps of recognition in memory, best of three."""
-    from ipcli.geometry.skeleton import Skeleton
     from ipcli.io.files import h5
     from ipcli.models.mocap import behaviours, recognition
     from ipcli.models.mocap.parameters import Decision, Features
-    from ipcli.stages.mocap import motions
-    from ipcli.stages.mocap.mocap_train import groups_of
+    from ipcli.stages.mocap.parameters import ClipReading
+    from ipcli.stages.mocap.reading import read
 
     arrays, decision = h5.read(Path(model), "behaviours").arrays, Decision()
-    learnt, groups = behaviours.of_arrays(arrays), groups_of(arrays, "model")
-    skeleton = Skeleton(tuple(map(str, arrays["joints"])), tuple(map(int, arrays["parents"])))
-    known = motions.read([Path(clips)], motions.Reading(), groups, skeleton)
+    learnt, body = behaviours.of_arrays(arrays), behaviours.body_of_arrays(arrays, "model")
+    known = read([Path(clips)], ClipReading(), body.groups, body.skeleton)
     count = int(known.lengths.sum())
-    measured, features = best_of(3, lambda: motions.features(known, arrays["lengths"], Features()))
+    measured, features = best_of(3, lambda: known.features(body.lengths, Features()))
     dense, density = best_of(3, lambda: recognition.log_densities(learnt, features))
     joined, _ = best_of(3, lambda: recognition.frame_posteriors(learnt, density, decision))
     steps = {"features": measured, "densities": dense, "answers": joined, "all": measured + dense + joined}
@@ -99,9 +97,10 @@ def repeated(clips: Path, frames: int, output: Path) -> Path:
     """A clips artefact of so many frames: those of `clips` again and again under new names."""
     from ipcli.io.files import h5
     from ipcli.io.motion import artefact
-    from ipcli.stages.mocap.import_clips import Source, open_source
+    from ipcli.stages.mocap.parameters import ClipSource
+    from ipcli.stages.mocap.reading import open_source
 
-    source = open_source(clips, Source())
+    source = open_source(clips, ClipSource())
     arrays = artefact.clips_arrays([source.load(name) for name in source.names], {})
     total = int(arrays["frames"].sum())
     times, rest = divmod(frames, total)

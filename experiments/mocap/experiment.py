@@ -19,7 +19,7 @@ from ipcli.report.kit.skeleton import bounds
 from ipcli.report.mocap import action_evaluation, behaviours
 from ipcli.report.mocap.action_evaluation import accuracy, clusters, confusions, histograms, mean_and_spread
 
-FRAMES, CLIPS = "frames", "clips"  # queries: single frames, whole clips; handfuls by their size
+FRAMES, CLIPS = "frames", "clips"  # queries: single frames, whole clips; unordered frames by their number
 POSE, POSES = "pose", "poses"  # the same without what moves: a single pose, the poses of a clip in any order
 CONFUSIONS = {
     FRAMES: "frame_confusion",
@@ -66,13 +66,13 @@ class RecognitionExperiment:
 
     @property
     def sizes(self) -> list[int]:
-        """Of the handfuls, the smallest first; those that all evaluations have."""
-        every = [set(map(int, one["handfuls"])) for one in self.evaluations.values()]
+        """Numbers of unordered frames, the smallest first; those that all evaluations have."""
+        every = [set(map(int, one["unordered_frames"])) for one in self.evaluations.values()]
         return sorted(set.intersection(*every)) if every else []
 
     @property
     def queries(self) -> list[str]:
-        """Single frames, single poses, handfuls, clips of poses in any order, whole clips."""
+        """Single frames, single poses, unordered frames, clips of poses in any order, whole clips."""
         return [FRAMES, POSE, *map(str, self.sizes), POSES, CLIPS]
 
     def shares(self, method: str, split: str, query: str) -> np.ndarray:
@@ -82,7 +82,9 @@ class RecognitionExperiment:
             return np.empty(0)
         if query in CONFUSIONS:
             return accuracy(found[CONFUSIONS[query]])
-        return accuracy(found["handful_confusion"][:, [int(size) for size in found["handfuls"]].index(int(query))])
+        return accuracy(
+            found["unordered_confusion"][:, [int(size) for size in found["unordered_frames"]].index(int(query))]
+        )
 
     def percent(self, method: str, split: str, query: str) -> float:
         """Mean over the splits, of 100; NaN for what was not run."""
@@ -222,20 +224,22 @@ def _table_5_1(e: RecognitionExperiment) -> Iterator[Markup]:
 
 
 def _answers(e: RecognitionExperiment) -> Iterator[Markup]:
-    """Figures 5.3 and 5.4: what was answered to frames, and to handfuls of them."""
+    """Figures 5.3 and 5.4: what was answered to frames, and to some of them in no order."""
     for split in [name for name in ("frames", "subjects", "published") if (e.methods[0], name) in e.evaluations]:
         own = e.evaluations[e.methods[0], split]
-        few = own["handful_confusion"][:, int(np.argmax(own["handfuls"]))].sum(axis=0)
+        few = own["unordered_confusion"][:, int(np.argmax(own["unordered_frames"]))].sum(axis=0)
         parts = [
             element("h3", "Single frames (thesis figure 5.3)"),
             histograms(own["frame_confusion"].sum(axis=0), list(own["classes"])),
-            element("h3", f"{own['handfuls'].max()} poses of a clip, in no order (in place of thesis figure 5.4)"),
+            element(
+                "h3", f"{own['unordered_frames'].max()} poses of a clip, in no order (in place of thesis figure 5.4)"
+            ),
             histograms(few, list(own["classes"])),
         ]
         yield section(
             f"Answers: {WORDS[split]}",
             *parts,
-            lead=f"The answers to each action: {action_evaluation.numbered(list(own['classes']))}.",
+            lead=f"The answers to each action: {action_evaluation.bar_key(list(own['classes']))}.",
         )
 
 

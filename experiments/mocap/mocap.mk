@@ -8,7 +8,7 @@
 # QUICK=1 takes the motions of sample_data. What benchmarks/mocap/peers.py left is shown beside ours. The chains of the mixtures, too, go
 # on where they were after a kill.
 
-FEW := --handfuls 20,5,1
+FEW := --unordered 20,5,1
 HDM05_SOURCE := $(DATA)/mocap/hdm05_smij11/hdm05_smij11_raw_asf_amc.tar.xz
 FLORENCE_SOURCE := $(DATA)/mocap/florence3d
 UTKINECT_SOURCE := $(DATA)/mocap/utkinect/utkinect.tar.xz

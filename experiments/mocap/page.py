@@ -22,7 +22,8 @@ from ipcli.io.files import h5
 
 HERE = Path(__file__).parent
 LEAD = (
-    "aligned: the defaults of mocap-train{mirror}; single poses and handfuls leave out how the body moves. thesis: "
+    "aligned: the defaults of mocap-train{mirror}; single poses and unordered frames leave out how the body moves. "
+    "thesis: "
     "chapter 5 as printed (configs/mocap-train/thesis.toml). known: aligned, of people who are "
     "among those learnt from (--spread 0)."
 )

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.mocap.import_clips import Params
+from ipcli.stages.mocap.parameters import ImportClips
 
 
 @click.command("import-clips")
@@ -20,9 +20,9 @@ from ipcli.stages.mocap.import_clips import Params
     required=True,
     help="The clips artefact to write, such as X.clips.h5.",
 )
-@options.parameters(Params)
+@options.parameters(ImportClips)
 @options.common
-def main(source: Path, output: Path, params: Params, run: Run) -> None:
+def main(source: Path, output: Path, params: ImportClips, run: Run) -> None:
     """Turn SOURCE into one clips artefact.
 
     SOURCE is a motion file, a folder or a tar archive of them (labelled by manifest.csv, by HDM05 names, or by folders

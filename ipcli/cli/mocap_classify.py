@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.mocap.mocap_classify import Params
+from ipcli.stages.mocap.parameters import MocapClassify
 
 
 @click.command("mocap-classify")
@@ -17,9 +17,9 @@ from ipcli.stages.mocap.mocap_classify import Params
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), required=True, help="Answers to write, such as X.recognition.h5."
 )
-@options.parameters(Params)
+@options.parameters(MocapClassify)
 @options.common
-def main(model: Path, clips: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
+def main(model: Path, clips: tuple[Path, ...], output: Path, params: MocapClassify, run: Run) -> None:
     """Name the action of each of CLIPS by a MODEL of mocap-train, or `none` if it is like nothing that was learnt.
 
     CLIPS are read as mocap-train reads them. --unordered 20 asks about 20 frames of each clip in no order; --window 1

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.mocap.mocap_evaluate import Params
+from ipcli.stages.mocap.parameters import MocapEvaluate
 
 
 @click.command("mocap-evaluate")
@@ -20,9 +20,9 @@ from ipcli.stages.mocap.mocap_evaluate import Params
     required=True,
     help="Evaluation to write, such as X.evaluation.h5.",
 )
-@options.parameters(Params)
+@options.parameters(MocapEvaluate)
 @options.common
-def main(clips: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
+def main(clips: tuple[Path, ...], output: Path, params: MocapEvaluate, run: Run) -> None:
     """Learn from a part of labelled CLIPS and tell how often the others are named right, single frames and whole clips
     apart.
 

@@ -8,7 +8,7 @@ import click
 
 from ipcli.cli import options
 from ipcli.params import Run
-from ipcli.stages.mocap.mocap_train import Params
+from ipcli.stages.mocap.parameters import MocapTrain
 
 
 @click.command("mocap-train")
@@ -16,9 +16,9 @@ from ipcli.stages.mocap.mocap_train import Params
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), required=True, help="Model to write, such as X.model.h5."
 )
-@options.parameters(Params)
+@options.parameters(MocapTrain)
 @options.common
-def main(clips: tuple[Path, ...], output: Path, params: Params, run: Run) -> None:
+def main(clips: tuple[Path, ...], output: Path, params: MocapTrain, run: Run) -> None:
     """Learn from labelled CLIPS how each part of the body behaves in each action.
 
     CLIPS are clips artefacts (ipcli import-clips) or motion files, folders and archives as that command reads them, all

@@ -89,11 +89,11 @@ BEHAVIOURS = Kind(
         Field("bottom", "str", ("b",), "", "Joints that the height is measured to"),
         Field("up", "float64", (3,), "1", "Axis of the world that points up", domain=FINITE),
         Field(
-            "surprise",
+            "novelty",
             "float64",
             ("q",),
             "1",
-            "How strange each clip looked to a model of other people, ascending",
+            "Novelty score of each clip to a model of other people, ascending",
             domain=FINITE,
         ),
         Field("preferences", "float64", ("a", "g"), "1", "W of (5.12)", domain=FINITE),
@@ -129,7 +129,7 @@ BEHAVIOURS = Kind(
 RECOGNITION = Kind(
     "action-recognition",
     1,
-    "The actions that queries (clips, handfuls of their frames, or windows along them) were recognised as.",
+    "The actions that queries (clips, some of their frames in no order, or windows along them) were recognised as.",
     (
         Field("queries", "str", (), "", "What was asked about", choices=("clip", "unordered", "window")),
         Field("clips", "str", ("q",), "", "Clip that each query is of"),
@@ -154,9 +154,9 @@ RECOGNITION = Kind(
             "Posterior of the answer by each group alone; NaN without frames",
         ),
         Field(
-            "surprise", "float64", ("q",), "1", "How unlike all that was learnt of the best action; NaN without frames"
+            "novelty", "float64", ("q",), "1", "How unlike all that was learnt of the best action; NaN without frames"
         ),
-        Field("threshold", "float64", (), "1", "Surprise above which the answer is `none`; infinite: never"),
+        Field("threshold", "float64", (), "1", "Novelty above which the answer is `none`; infinite: never"),
         Field("truth", "str", ("q",), "", "Label of each query; empty where unknown", optional=True),
         Field("segment_clip", "str", ("s",), "", "Clip of each segment: windows of one answer in a row", optional=True),
         Field("segment_time", "float64", ("s", 2), "s", "Start and end of each segment", optional=True, domain=FINITE),
@@ -189,9 +189,15 @@ EVALUATION = Kind(
             "pose_sequence_confusion", "int64", ("s", "c", "c"), "clips", "The same by the poses alone, in any order"
         ),
         Field("pose_frame_confusion", "int64", ("s", "c", "c"), "frames", "The same by the pose alone"),
-        Field("handfuls", "int64", ("h",), "1", "Frames of a clip, in no order, that were asked about together"),
         Field(
-            "handful_confusion", "int64", ("s", "h", "c", "c"), "1", "Truth by answer of handfuls, by their poses alone"
+            "unordered_frames", "int64", ("h",), "1", "Frames of a clip, in no order, that were asked about together"
+        ),
+        Field(
+            "unordered_confusion",
+            "int64",
+            ("s", "h", "c", "c"),
+            "1",
+            "Truth by answer of such unordered frames, by their poses alone",
         ),
         Field(
             "group_frame_accuracy",

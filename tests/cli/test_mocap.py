@@ -89,14 +89,14 @@ def test_training_again_is_up_to_date_and_any_executor_gives_the_same_bytes(plac
     assert (tmp_path / "m.html").read_bytes() == (place / "model.html").read_bytes()
 
 
-def test_a_person_never_seen_is_named_right_whole_and_by_a_handful(place, tell, tmp_path):
+def test_a_person_never_seen_is_named_right_whole_and_by_a_few_frames(place, tell, tmp_path):
     asked = write(tmp_path / "dan.clips.h5", [one for one in every() if one.actor == "dan"])
     code, out, _ = tell("mocap-classify", place / "model.h5", asked, "--json")
     told = json.loads(out)
     assert code == 0
     assert all(answer["clip"].startswith(answer["answer"]) for answer in told["answers"])
     code, out, _ = tell(
-        "mocap-classify", place / "model.h5", asked, "--json", "--unordered", "5", "--handfuls", "3", output="few.h5"
+        "mocap-classify", place / "model.h5", asked, "--json", "--unordered", "5", "--draws", "3", output="few.h5"
     )
     told = json.loads(out)["answers"]
     assert len(told) == 18
@@ -132,7 +132,7 @@ def test_what_was_never_learnt_is_none_unless_it_must_be_something(place, tell, 
         "answers"
     ][0]
     assert forced["answer"] in ACTIONS
-    assert forced["surprise"] == answer["surprise"]
+    assert forced["novelty"] == answer["novelty"]
 
 
 def test_the_order_of_frames_and_missing_ones_change_nothing_or_little(place, tell, tmp_path):
@@ -152,7 +152,7 @@ def test_the_order_of_frames_and_missing_ones_change_nothing_or_little(place, te
         tell("mocap-classify", place / "model.h5", write(tmp_path / "c.clips.h5", clips), "--json")[1]
     )["answers"]
     assert [answer["answer"] for answer in answers] == ["kick"] * 3
-    assert answers[0]["surprise"] == pytest.approx(answers[1]["surprise"])
+    assert answers[0]["novelty"] == pytest.approx(answers[1]["novelty"])
     assert answers[2]["frames"] < answers[0]["frames"]
     assert tell("mocap-classify", place / "model.h5", tmp_path / "c.clips.h5", "--no-motion", output="y.h5")[0] == 0
     moving, alone = (
@@ -178,7 +178,7 @@ def test_every_protocol_is_evaluated(place, tell, tmp_path, split, splits, more)
     assert tell("mocap-evaluate", place / "all.clips.h5", *options)[0] == 0
     found = h5.read(tmp_path / "out" / "x.h5", "action-evaluation").arrays
     assert len(found["splits"]) == splits
-    assert list(found["handfuls"]) == [20, 5, 1]
+    assert list(found["unordered_frames"]) == [20, 5, 1]
     frames, clips = found["frame_confusion"], found["sequence_confusion"]
     assert (frames.sum(axis=(1, 2)) == found["test_frames"]).all()
     assert (clips.sum(axis=(1, 2)) == found["test_clips"]).all()
@@ -288,11 +288,11 @@ def test_what_was_learnt_of_one_hand_is_known_of_the_other_with_mirror_images_al
         json.loads(tell("mocap-classify", model, asked, "--json", output=model.name)[1])["answers"] for model in models
     )
     assert [answer["answer"] for answer in knows] == ["wave", "kick"]
-    assert all(one["surprise"] < 0.8 * other["surprise"] for one, other in zip(knows, does_not, strict=True))
+    assert all(one["novelty"] < 0.8 * other["novelty"] for one, other in zip(knows, does_not, strict=True))
     found, plain = (h5.read(model, "behaviours").arrays for model in models)
     for name in ("frames", "clips", "actors"):
         np.testing.assert_array_equal(found[name], plain[name])
-    assert len(found["surprise"]) == len(plain["surprise"])
+    assert len(found["novelty"]) == len(plain["novelty"])
 
 
 def test_an_evaluation_learns_mirror_images_and_asks_about_none(place, tell, tmp_path):
@@ -434,7 +434,7 @@ def test_wrong_usage_is_exit_2_and_names_what_was_meant(place, tell, arguments, 
     fails(tell("mocap-train", place / "all.clips.h5", *usual, *arguments, *QUICK), 2, *messages)
 
 
-def test_a_window_and_a_handful_exclude_each_other(place, tell):
+def test_a_window_and_unordered_frames_exclude_each_other(place, tell):
     told = tell("mocap-classify", place / "model.h5", place / "all.clips.h5", "--window", "1", "--unordered", "5")
     fails(told, 2, "--window", "--unordered")
 

@@ -5,13 +5,13 @@ numbers.
 import numpy as np
 import pytest
 
-from ipcli.inverse.bayes.normal_wishart import NormalWishart, Points
+from ipcli.inverse.bayes.normal_wishart import NormalWishart, SetStatistics
 from ipcli.kernels import dirichlet as kernels
 from ipcli.kernels import points as point_kernels
 
 
 def setting(n, d, seed):
-    """Points, and a base measure as the kernels and as NumPy take it: (x, xi, rho, beta, chol, alpha),
+    """SetStatistics, and a base measure as the kernels and as NumPy take it: (x, xi, rho, beta, chol, alpha),
     `NormalWishart`.
     """
     rng = np.random.default_rng(seed)
@@ -49,7 +49,7 @@ def test_points_put_in_and_taken_out_again_leave_a_cluster_as_it_was_and_as_comp
         before, (clusters.lower[:, :, 1], clusters.inverse[:, 1], clusters.mean[:, 1], clusters.logdet[1]), strict=True
     ):
         np.testing.assert_allclose(now, was, rtol=1e-10, atol=1e-10)
-    post = prior.posterior(Points.of(x[:20], np.zeros(20, int), 1))
+    post = prior.posterior(SetStatistics.of(x[:20], np.zeros(20, int), 1))
     np.testing.assert_allclose(psi_of(clusters, 1), post.psi[0], rtol=1e-10, atol=1e-10)
     np.testing.assert_allclose(clusters.mean[:, 1], post.mean[0], rtol=1e-10, atol=1e-10)
     assert clusters.logdet[1] == pytest.approx(np.linalg.slogdet(post.psi[0])[1], abs=1e-10)
@@ -60,7 +60,7 @@ def scores(x, labels, i, prior, alpha, k):
     are empty.
     """
     others = np.delete(np.arange(len(x)), i)
-    points = Points.of(x[others], labels[others], k)
+    points = SetStatistics.of(x[others], labels[others], k)
     known = prior.posterior(points).predictive().log_density(x[i : i + 1])[0]
     with np.errstate(divide="ignore"):
         return np.append(np.log(alpha) + prior.predictive().log_density(x[i : i + 1])[0], np.log(points.count) + known)
@@ -119,7 +119,7 @@ def test_the_gain_of_a_split_is_that_of_the_marginal_likelihoods_and_of_the_rest
     base, side = kernels._base(*given, len(x)), np.array([1, 2, 2, 1, 1, 2, 2])
     gain = kernels._log_gain(x, 0, 1, np.arange(2, 9), side, base, np.log(given[-1]))
     labels = np.array([0, 1, *(side - 1)])
-    apart, together = Points.of(x, labels, 2), Points.of(x, 0 * labels, 1)
+    apart, together = SetStatistics.of(x, labels, 2), SetStatistics.of(x, 0 * labels, 1)
     expected = log_partition(apart.count, given[-1]) - log_partition(together.count, given[-1])
     expected += prior.log_marginal(apart).sum() - prior.log_marginal(together).sum()
     assert gain == pytest.approx(expected, rel=1e-10)

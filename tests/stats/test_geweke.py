@@ -10,7 +10,7 @@ import pytest
 
 from ipcli.inverse.bayes.chain import Chain
 from ipcli.inverse.bayes.hyperparameters import Prior
-from ipcli.inverse.bayes.normal_wishart import NormalWishart, Points
+from ipcli.inverse.bayes.normal_wishart import NormalWishart, SetStatistics
 from ipcli.inverse.bayes.parameters import Hyperprior, Mixture
 
 N, D = 6, 2
@@ -35,7 +35,7 @@ NAMES = (
 
 
 def data(labels, hyper, rng):
-    """Points (n, d) given their labels and the hyperparameters."""
+    """SetStatistics (n, d) given their labels and the hyperparameters."""
     k = labels.max() + 1
     base = hyper.base()
     base = NormalWishart(*(np.repeat(getattr(base, name), k, axis=0) for name in ("mean", "rho", "beta", "psi")))
@@ -101,7 +101,7 @@ class WithClustersAtTheCentre(Chain):
     """Takes every cluster to be centred at xi when it draws the hyperparameters."""
 
     def learn(self):
-        points = Points.of(self.x, self.labels, self.clusters)
+        points = SetStatistics.of(self.x, self.labels, self.clusters)
         centred = replace(points, mean=np.tile(self.hyper.xi, (self.clusters, 1)))
         self.hyper = self.prior.update(self.hyper, centred, self.rng)
 

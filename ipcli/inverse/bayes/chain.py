@@ -8,8 +8,9 @@ import numpy as np
 
 from ipcli.inverse.bayes import generator
 from ipcli.inverse.bayes.hyperparameters import Hyperparameters, Prior
-from ipcli.inverse.bayes.normal_wishart import Points
+from ipcli.inverse.bayes.normal_wishart import SetStatistics
 from ipcli.inverse.bayes.parameters import Mixture
+from ipcli.kernels import dirichlet
 
 TRACE = ("clusters", "log_joint", "alpha", "rho", "beta", "splits", "merges")
 MOST_AT_START = 50  # clusters
@@ -57,8 +58,6 @@ class Chain:
         """Move the labels at fixed hyperparameters: a Gibbs sweep, then split-merge moves; (splits, merges)
         accepted.
         """
-        from ipcli.kernels import dirichlet
-
         base = self.base()
         k, _ = dirichlet.sweep(self.x, self.labels, self.clusters, *base, self.rng)
         _, splits, merges = dirichlet.split_merge(
@@ -66,9 +65,9 @@ class Chain:
         )
         return splits, merges
 
-    def learn(self) -> Points:
+    def learn(self) -> SetStatistics:
         """Move the hyperparameters at fixed labels; the statistics of the clusters."""
-        points = Points.of(self.x, self.labels, self.clusters)
+        points = SetStatistics.of(self.x, self.labels, self.clusters)
         self.hyper = self.prior.update(self.hyper, points, self.rng)
         return points
 
@@ -79,7 +78,7 @@ class Chain:
         h = self.hyper
         return h.xi, h.rho, h.beta, np.linalg.cholesky(h.beta * h.w), h.alpha
 
-    def log_joint(self, points: Points) -> float:
+    def log_joint(self, points: SetStatistics) -> float:
         """log p(x, labels, learned hyperparameters)."""
         return (
             float(self.hyper.base().log_marginal(points).sum())

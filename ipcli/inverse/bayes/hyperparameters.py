@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipcli.inverse.bayes import wishart
-from ipcli.inverse.bayes.normal_wishart import NormalWishart, Points
+from ipcli.inverse.bayes.normal_wishart import NormalWishart, SetStatistics
 from ipcli.inverse.bayes.parameters import Hyperprior
 from ipcli.inverse.bayes.slice import draw as slice_draw
 
@@ -45,7 +45,7 @@ class Hyperparameters:
 
 
 @dataclass(frozen=True)
-class Clusters:
+class ClusterDraws:
     """What the conditionals take from one mean mu and one precision S per cluster."""
 
     count: int
@@ -56,7 +56,7 @@ class Clusters:
     log_det: float  # sum of log |S|
 
     @classmethod
-    def draw(cls, base: NormalWishart, points: Points, rng: np.random.Generator) -> Clusters:
+    def draw(cls, base: NormalWishart, points: SetStatistics, rng: np.random.Generator) -> ClusterDraws:
         """A mean and a precision from the posterior of each cluster."""
         mean, root = base.posterior(points).sample(rng)
         each = root @ root.swapaxes(1, 2)
@@ -126,11 +126,11 @@ class Prior:
         }
         return sum(terms[name] for name in s.learned)
 
-    def update(self, at: Hyperparameters, points: Points, rng: np.random.Generator) -> Hyperparameters:
+    def update(self, at: Hyperparameters, points: SetStatistics, rng: np.random.Generator) -> Hyperparameters:
         """One draw of each learned hyperparameter from its conditional, given the points of every cluster."""
         learned = self.settings.learned
         if {"xi", "rho", "w", "beta"} & {*learned}:
-            clusters = Clusters.draw(at.base(), points, rng)
+            clusters = ClusterDraws.draw(at.base(), points, rng)
             for name in ("xi", "rho", "w", "beta"):
                 if name in learned:
                     at = replace(at, **{name: getattr(self, f"_{name}")(at, clusters, rng)})
@@ -138,21 +138,21 @@ class Prior:
             at = replace(at, alpha=self._alpha(at.alpha, len(points.count), int(points.count.sum()), rng))
         return at
 
-    def _xi(self, at: Hyperparameters, clusters: Clusters, rng: np.random.Generator) -> np.ndarray:
+    def _xi(self, at: Hyperparameters, clusters: ClusterDraws, rng: np.random.Generator) -> np.ndarray:
         precision = np.eye(self.d) / self.settings.xi_spread + at.rho * clusters.precision
         chol = np.linalg.cholesky(precision)
         centre = np.linalg.solve(precision, at.rho * clusters.weighted)
         return centre + np.linalg.solve(chol.T, rng.standard_normal(self.d))
 
-    def _rho(self, at: Hyperparameters, clusters: Clusters, rng: np.random.Generator) -> float:
+    def _rho(self, at: Hyperparameters, clusters: ClusterDraws, rng: np.random.Generator) -> float:
         shape = self.settings.rho_shape + 0.5 * clusters.count * self.d
         return rng.gamma(shape) / (self.settings.rho_rate + 0.5 * clusters.spread(at.xi))
 
-    def _w(self, at: Hyperparameters, clusters: Clusters, rng: np.random.Generator) -> np.ndarray:
+    def _w(self, at: Hyperparameters, clusters: ClusterDraws, rng: np.random.Generator) -> np.ndarray:
         inverse_scale = self.w_dof / self.settings.w_scale * np.eye(self.d) + at.beta * clusters.precision
         return wishart.draw(self.w_dof + clusters.count * at.beta, inverse_scale, rng)
 
-    def _beta(self, at: Hyperparameters, clusters: Clusters, rng: np.random.Generator) -> float:
+    def _beta(self, at: Hyperparameters, clusters: ClusterDraws, rng: np.random.Generator) -> float:
         d, k, shape, rate = self.d, clusters.count, self.settings.beta_shape, self.beta_rate
         fit = k * float(np.linalg.slogdet(at.w)[1]) + clusters.log_det - float(np.sum(at.w * clusters.precision))
 

@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ipcli import threads
 from ipcli.errors import ParameterError
 from ipcli.inverse.bayes.chain import TRACE, Chain
 from ipcli.inverse.bayes.hyperparameters import Hyperparameters
@@ -49,6 +50,16 @@ class Fitted:
     def behaviours(self) -> Predictive:
         """The mixture of the point partition: row k is the component of label k, the last row that of a new cluster."""
         return self.predictive.of(self.typical)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All of it as flat arrays by name; `of_arrays` is the inverse."""
+        return self.predictive.arrays() | {name: getattr(self, name) for name in ("partitions", "log_joint", "trace")}
+
+    @classmethod
+    def of_arrays(cls, arrays: Mapping[str, np.ndarray]) -> Fitted:
+        """What `arrays` describes."""
+        own = {name: arrays[name] for name in ("partitions", "log_joint", "trace")}
+        return cls(Predictive(**{name: array for name, array in arrays.items() if name not in own}), **own)
 
     def cluster_counts(self) -> np.ndarray:
         """Posterior probability of 0, 1, 2, ... clusters, over the draws."""
@@ -122,8 +133,6 @@ def _units(
 
 
 def _run(chains: list[Chain], watch: Callable[[State], None] | None, every: int) -> None:
-    from ipcli import threads
-
     while not all(chain.is_done for chain in chains):
         threads.each(lambda chain: chain.advance(every), chains)
         if watch:

@@ -14,10 +14,11 @@ import numpy as np
 
 from ipcli.inverse.bayes import wishart
 from ipcli.inverse.bayes.student import Students
+from ipcli.kernels import points
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class SetStatistics:
     """Sufficient statistics of k sets of points."""
 
     count: np.ndarray  # (k,)
@@ -25,10 +26,8 @@ class Points:
     scatter: np.ndarray  # (k, d, d), sum of (x - mean) (x - mean)'
 
     @classmethod
-    def of(cls, x: np.ndarray, labels: np.ndarray, k: int) -> Points:
-        """Those of the points x (n, d) with each of the labels 0 ... k - 1; an empty set has mean 0."""
-        from ipcli.kernels import points
-
+    def of(cls, x: np.ndarray, labels: np.ndarray, k: int) -> SetStatistics:
+        """Sum up the points x (n, d) with each of the labels 0 ... k - 1; an empty set has mean 0."""
         return cls(*points.statistics(np.ascontiguousarray(x, np.float64), np.asarray(labels, np.int32), k))
 
 
@@ -53,18 +52,18 @@ class NormalWishart:
         """d"""
         return self.mean.shape[1]
 
-    def posterior(self, points: Points) -> NormalWishart:
+    def posterior(self, sets: SetStatistics) -> NormalWishart:
         """Given k sets of points; a single prior serves all of them."""
-        n, off = points.count, points.mean - self.mean
+        n, off = sets.count, sets.mean - self.mean
         shrunk = (self.rho * n / (self.rho + n))[:, None, None]
-        psi = self.psi + points.scatter + shrunk * off[:, :, None] * off[:, None, :]
+        psi = self.psi + sets.scatter + shrunk * off[:, :, None] * off[:, None, :]
         mean = self.mean + (n / (self.rho + n))[:, None] * off
         return NormalWishart(mean, self.rho + n, self.beta + n, psi)
 
-    def log_marginal(self, points: Points) -> np.ndarray:
+    def log_marginal(self, sets: SetStatistics) -> np.ndarray:
         """log density (k,) of each set of points, means and precisions integrated out."""
-        post = self.posterior(points)
-        return post._log_normaliser() - self._log_normaliser() - 0.5 * self.dimension * points.count * math.log(math.pi)
+        post = self.posterior(sets)
+        return post._log_normaliser() - self._log_normaliser() - 0.5 * self.dimension * sets.count * math.log(math.pi)
 
     def _log_normaliser(self) -> np.ndarray:
         """log of what a density x^... must be divided by, up to powers of pi and 2 that cancel between prior and

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipcli.inverse.bayes.hyperparameters import Hyperparameters
-from ipcli.inverse.bayes.normal_wishart import Points
+from ipcli.inverse.bayes.normal_wishart import SetStatistics
 from ipcli.inverse.bayes.student import Students
+from ipcli.kernels import student
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +34,13 @@ class Predictive:
     def of_draw(cls, x: np.ndarray, labels: np.ndarray, hyper: Hyperparameters) -> Predictive:
         """That of one partition of the points x (n, d) at given hyperparameters."""
         k, n = int(labels.max()) + 1, len(x)
-        base, points = hyper.base(), Points.of(x, labels, k)
+        base, points = hyper.base(), SetStatistics.of(x, labels, k)
         known, new = base.posterior(points).predictive(), base.predictive()
         weight = np.log(np.append(points.count, hyper.alpha) / (n + hyper.alpha))
-        t = (np.concatenate([getattr(known, name), getattr(new, name)]) for name in ("dof", "location", "chol"))
-        return cls(weight, *t, np.zeros(k + 1, np.int32))
+        dof, location, chol = (
+            np.concatenate([getattr(known, name), getattr(new, name)]) for name in ("dof", "location", "chol")
+        )
+        return cls(weight, dof, location, chol, np.zeros(k + 1, np.int32))
 
     @classmethod
     def mean(cls, draws: list[Predictive]) -> Predictive:
@@ -88,8 +91,6 @@ class Predictive:
 
     def log_density(self, x: np.ndarray) -> np.ndarray:
         """log predictive density (n,) at the points x (n, d); NaN where x is not finite."""
-        from ipcli.kernels import student
-
         half_dof = 0.5 * (self.dof + self.location.shape[1])
         constant = self.log_weight + self.students.log_normaliser()
         # Inverse factors over sqrt(dof): products in place of solutions, and log(1 + |.|^2) at once.

@@ -1,21 +1,24 @@
 """The behaviours of an action in a group: the components of a Dirichlet process mixture of the group's features (5.8,
 5.9).
 
-chosen = draw_frames(actions, len(classes), settings, rng)             # at most 800 frames of each action
-points = {group: Points(...)}                                          # their coordinates
+rows = draw_frames(actions, names, settings, rng)                      # at most 800 frames of each action
+projections = fit_projections(features, actions, settings)             # coordinates of each group
 fitted = {(action, group): learn(...)}                                 # each by itself: in any order, anywhere
-model = assemble(...)
+model = assemble(names, projections, fitted, settings)
+
+`training` does all of this.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ipcli.errors import ParameterError
+from ipcli.geometry.skeleton import Groups, Skeleton
 from ipcli.inverse.bayes import mixture
 from ipcli.inverse.bayes.chain import TRACE
 from ipcli.inverse.bayes.mixture import Fitted
@@ -38,6 +41,14 @@ class Model:
     alpha: np.ndarray  # (a, g), posterior mean of the concentration
 
 
+class Body(NamedTuple):
+    """Whose motions a model understands."""
+
+    skeleton: Skeleton
+    groups: Groups
+    lengths: np.ndarray  # (j,), bones of the common skeleton of height 1
+
+
 def with_body(features: Mapping[str, np.ndarray], is_wanted: bool) -> dict[str, np.ndarray]:
     """The features of the groups, of the group of all groups: theirs side by side, and of motion if there are any."""
     found = {group: x for group, x in features.items() if group != MOTION}
@@ -48,21 +59,20 @@ def with_body(features: Mapping[str, np.ndarray], is_wanted: bool) -> dict[str, 
     return found
 
 
-def draw_frames(actions: np.ndarray, count: int, settings: Learning, rng: np.random.Generator) -> np.ndarray:
-    """Indices, ascending, of at most `settings.frames` of the frames of each of `count` actions; actions (n,) int, -1:
-    not to learn.
+def draw_frames(actions: np.ndarray, names: Sequence[str], settings: Learning, rng: np.random.Generator) -> np.ndarray:
+    """Draw at most `settings.frames` of the frames of each action; their indices, ascending.
 
-    Raises ParameterError for an action with hardly a frame.
+    `actions` (n,) int, indices of `names`, -1: not to learn. Raises ParameterError for an action with hardly a frame.
     """
-    chosen = []
-    for action in range(count):
-        rows = np.flatnonzero(actions == action)
-        if len(rows) < LEAST_FRAMES:
+    counts = [int((actions == action).sum()) for action in range(len(names))]
+    for name, count in zip(names, counts, strict=True):
+        if count < LEAST_FRAMES:
             raise ParameterError(
-                f"action number {action} has {len(rows)} frames to learn from: give at least {LEAST_FRAMES}, or leave "
-                "it out"
+                f"action '{name}' has {count} frame{'s' * (count != 1)} to learn from: give at least {LEAST_FRAMES}, "
+                "or "
+                "leave it out"
             )
-        chosen.append(rng.permutation(rows)[: settings.frames])
+    chosen = [rng.permutation(np.flatnonzero(actions == action))[: settings.frames] for action in range(len(names))]
     return np.sort(np.concatenate(chosen))
 
 
@@ -143,27 +153,6 @@ def assemble(
     )
 
 
-def train(
-    features: Mapping[str, np.ndarray],
-    actions: np.ndarray,
-    names: tuple[str, ...],
-    settings: Learning,
-    rng: np.random.Generator,
-) -> Model:
-    """A model from features (n, D) of each group and actions (n,) int, indices of `names`, -1 where a frame is not to
-    be learnt.
-    """
-    rows = draw_frames(actions, len(names), settings, rng)
-    chosen = {group: x[rows] for group, x in with_body(features, settings.features.body).items()}
-    projections = fit_projections(chosen, actions[rows], settings)
-    fitted = {}
-    for group, project in projections.items():
-        points = project(chosen[group])
-        for action in range(len(names)):
-            fitted[action, group] = learn(points[actions[rows] == action], settings, rng.spawn(1)[0])
-    return assemble(names, projections, fitted, settings)
-
-
 def arrays(model: Model) -> dict[str, np.ndarray]:
     """The model as flat arrays; `of_arrays` is the inverse. Components of all cells stand one after the other, padded
     to the widest.
@@ -204,6 +193,47 @@ def of_arrays(arrays: Mapping[str, Any]) -> Model:
 
     predictives = tuple(tuple(cell(a, g) for g in range(len(groups))) for a in range(len(actions)))
     return Model(actions, groups, tuple(projections), predictives, arrays["alpha"])
+
+
+def body_arrays(
+    skeleton: Skeleton, groups: Groups, lengths: np.ndarray, names: tuple[str, ...]
+) -> dict[str, np.ndarray]:
+    """The skeleton, its groups and bone lengths (j,) as flat arrays; `names` are the groups of the model.
+
+    `body_of_arrays` is the inverse.
+    """
+    member = [(names.index(part), joint) for part, joints in groups.indices(skeleton).items() for joint in joints]
+    roles = {name: np.array(getattr(groups, name), np.str_) for name in ("root", "left", "right", "top", "bottom")}
+    return roles | {
+        "joints": np.array(skeleton.joints, np.str_),
+        "parents": np.array(skeleton.parents, np.int64),
+        "lengths": lengths,
+        "group_members": np.array(member, np.int64).reshape(-1, 2),
+        "up": np.array(groups.up, float),
+    }
+
+
+def body_of_arrays(arrays: Mapping[str, Any], source: str) -> Body:
+    """The body that `body_arrays` describes; `source` is what messages about its groups name."""
+    joints, names = tuple(map(str, arrays["joints"])), tuple(map(str, arrays["groups"]))
+    parts = {
+        name: tuple(joints[j] for g, j in arrays["group_members"] if g == index)
+        for index, name in enumerate(names)
+        if name not in (BODY, MOTION)
+    }
+    left, right, bottom = (tuple(map(str, arrays[role])) for role in ("left", "right", "bottom"))
+    x, y, z = map(float, arrays["up"])
+    groups = Groups(
+        parts,
+        root=str(arrays["root"]),
+        left=left,
+        right=right,
+        top=str(arrays["top"]),
+        bottom=bottom,
+        up=(x, y, z),
+        source=source,
+    )
+    return Body(Skeleton(joints, tuple(map(int, arrays["parents"]))), groups, arrays["lengths"])
 
 
 def _padded(parts: list[np.ndarray]) -> np.ndarray:

@@ -11,6 +11,7 @@ from ipcli.params import option
 
 BODY = "body"  # the group of all groups
 MOTION = "motion"  # the group of how all of it changes
+SPLIT_KINDS = ("subjects", "leave-one-out", "one-to-rest", "published", "clips", "frames")  # what `splits` does
 
 
 @dataclass(frozen=True)

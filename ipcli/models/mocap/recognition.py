@@ -1,4 +1,4 @@
-"""Which action a frame, a clip, a handful of frames in no order or a window of a take shows, or none (5.10, 5.11)."""
+"""Which action a frame, a clip, some of its frames in no order or a window of a take shows, or none (5.10, 5.11)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Answer:
 
     action: np.ndarray  # (q,) int, index of the action; NONE
     posterior: np.ndarray  # (q, a), adds to 1, as if one of them it must be
-    surprise: np.ndarray  # (q,), how unlike all that was learnt of the best action; NaN if no frame could be used
+    novelty: np.ndarray  # (q,), how unlike all that was learnt of the best action; NaN if no frame could be used
     frames: np.ndarray  # (q,) int, frames that could be used
 
 
@@ -102,9 +102,9 @@ def _powers(groups: tuple[str, ...], decision: Decision) -> np.ndarray:
     return np.array([own.get(group, decision.power) for group in groups])
 
 
-def surprises(model: Model, log_density: np.ndarray, decision: Decision) -> np.ndarray:
-    """How unlike each action each pose is, (f, a): minus the log density of a dimension, the mean over the groups seen
-    but MOTION.
+def novelty_scores(model: Model, log_density: np.ndarray) -> np.ndarray:
+    """Score how unlike each action each pose is, (f, a): minus the log density of a dimension, the mean over the groups
+    seen but MOTION.
     """
     seen = np.isfinite(poses_alone(model, log_density)).all(axis=1)
     size = np.array([project.matrix.shape[1] for project in model.projections])
@@ -115,25 +115,25 @@ def surprises(model: Model, log_density: np.ndarray, decision: Decision) -> np.n
 
 def answer(
     posterior: np.ndarray,
-    surprise: np.ndarray,
+    novelty: np.ndarray,
     query: np.ndarray,
     queries: int,
     decision: Decision,
     threshold: float = np.inf,
 ) -> Answer:
-    """What each query shows, from the frames' log posteriors (f, a) and surprises (f, a); query (f,) int, the query of
-    each frame.
+    """What each query shows, from the frames' log posteriors (f, a) and novelty scores (f, a); query (f,) int, the
+    query of each frame.
 
     The mean log posterior of the frames that could be used counts as much as `decision.evidence` independent frames, or
-    as their number if that is less. In which order they come makes no difference. A query is NONE if its surprise is
-    above `threshold`, or nothing of it could be used.
+    as their number if that is less. In which order they come makes no difference. A query is NONE if its novelty
+    score is above `threshold`, or nothing of it could be used.
     """
     from scipy.special import softmax
 
     known = np.isfinite(posterior).any(axis=1)
     frames = np.bincount(query[known], minlength=queries)
     floor = np.maximum(posterior[known], np.log(np.finfo(float).tiny))
-    mean, strange = (_means(values, query[known], queries, frames) for values in (floor, surprise[known]))
+    mean, strange = (_means(values, query[known], queries, frames) for values in (floor, novelty[known]))
     share = softmax(mean * np.minimum(frames, decision.evidence)[:, None], axis=1)
     best = share.argmax(axis=1)
     unlike = np.where(frames > 0, strange[np.arange(queries), best], np.nan)
@@ -145,16 +145,16 @@ def _means(values: np.ndarray, query: np.ndarray, queries: int, frames: np.ndarr
     return np.stack(columns, axis=1) / np.maximum(frames, 1)[:, None]
 
 
-def threshold(surprise: np.ndarray, decision: Decision) -> float:
-    """The surprise above which a query is none of the actions: the quantile `decision.reject` of those of clips that
-    were actions.
+def threshold(novelty: np.ndarray, decision: Decision) -> float:
+    """The novelty score above which a query is none of the actions: the quantile `decision.reject` of those of clips
+    that were actions.
     """
-    known = surprise[np.isfinite(surprise)]
+    known = novelty[np.isfinite(novelty)]
     return float(np.quantile(known, decision.reject)) if len(known) and decision.reject < 1 else np.inf
 
 
-def handfuls(query: np.ndarray, frames: int, rng: np.random.Generator) -> np.ndarray:
-    """Indices, in random order, of `frames` of the frames of each query, or of all if it has fewer; query (f,) int."""
+def draw_unordered(query: np.ndarray, frames: int, rng: np.random.Generator) -> np.ndarray:
+    """Draw `frames` of the frames of each query, or all if it has fewer: indices in random order; query (f,) int."""
     order = rng.permutation(len(query))
     by_query = order[np.argsort(query[order], kind="stable")]
     rank = np.arange(len(query)) - np.searchsorted(query[by_query], query[by_query])

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipcli.errors import ParameterError, nearest
+from ipcli.models.mocap.parameters import SPLIT_KINDS
 
-KINDS = ("random-frames", "random-clips", "actors", "leave-one-actor-out", "one-actor", "published")
+KINDS = SPLIT_KINDS
 MOST_FRAMES = 800  # of an action, drawn at random (thesis 5.5)
 
 
@@ -47,17 +48,17 @@ def make(
 ) -> list[Split]:
     """The splits of a kind, one of KINDS.
 
-    `test`: the actors to ask about, of kind `actors`. `published`: entries (c,) 1 train, 2 test, 0 neither, by name.
+    `test`: the actors to ask about, of kind `subjects`. `published`: entries (c,) 1 train, 2 test, 0 neither, by name.
     Raises ParameterError for an unknown kind or actor, or when a split has nothing on one side.
     """
     if kind not in KINDS:
         raise ParameterError(f"unknown split '{kind}'{nearest(kind, KINDS)} Known: {', '.join(KINDS)}")
     found = {
-        "random-frames": lambda: [random_frames(frames, rng)],
-        "random-clips": lambda: [random_clips(frames, rng)],
-        "actors": lambda: [actors(frames, test)],
-        "leave-one-actor-out": lambda: leave_one_actor_out(frames),
-        "one-actor": lambda: one_actor(frames),
+        "frames": lambda: [random_frames(frames, rng)],
+        "clips": lambda: [random_clips(frames, rng)],
+        "subjects": lambda: [actors(frames, test)],
+        "leave-one-out": lambda: leave_one_actor_out(frames),
+        "one-to-rest": lambda: one_actor(frames),
         "published": lambda: of_published(frames, published or {}),
     }[kind]()
     for split in found:

@@ -73,15 +73,15 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
 
 
 def _by_split(arrays: Mapping[str, np.ndarray]) -> Markup:
-    sizes = [int(size) for size in arrays["handfuls"]]
-    kinds = ("sequence", "frame", "pose_sequence", "handful", "pose_frame")
-    clips, frames, unordered, few, poses = (accuracy(arrays[f"{what}_confusion"]) for what in kinds)
-    shares = (clips, frames, unordered, *few.T, poses)
+    sizes = [int(size) for size in arrays["unordered_frames"]]
+    kinds = ("sequence", "frame", "pose_sequence", "unordered", "pose_frame")
+    clips, frames, posed, unordered, poses = (accuracy(arrays[f"{what}_confusion"]) for what in kinds)
+    shares = (clips, frames, posed, *unordered.T, poses)
     answers = (
         "Whole clips",
         "Single frames",
         "Clips by their poses",
-        *(_handful(size) for size in sizes),
+        *(_poses(size) for size in sizes),
         "Single poses",
     )
     columns = ("Split", *answers, "Learnt from", "Recognised")
@@ -95,14 +95,13 @@ def _by_split(arrays: Mapping[str, np.ndarray]) -> Markup:
         rows.append(("mean ± sd", *(mean_and_spread(share) for share in shares), "", ""))
     lead = (
         "Share of right answers to whole clips and to single frames with what moves about them; then to poses alone, "
-        "in any order: all of a "
-        "clip, handfuls of a clip drawn at random, single ones."
+        "in any order: all of a clip, some of a clip drawn at random, single ones."
     )
     last = {(len(rows) - 1, column) for column in range(len(columns))} if len(rows) > 1 else ()
     return section("Right answers", table(columns, rows, bold=last), lead=lead)
 
 
-def _handful(size: int) -> str:
+def _poses(size: int) -> str:
     return f"{size} poses" if size > 1 else "1 pose"
 
 
@@ -131,11 +130,11 @@ def _histograms(arrays: Mapping[str, np.ndarray], classes: list[str]) -> Markup:
     return section(
         "Answers to single frames",
         panels,
-        lead=f"The answers to the single frames of each action (thesis figure 5.3): {numbered(classes)}.",
+        lead=f"The answers to the single frames of each action (thesis figure 5.3): {bar_key(classes)}.",
     )
 
 
-def numbered(names: Sequence[object]) -> str:
+def bar_key(names: Sequence[object]) -> str:
     """The key to the bars of `histograms`."""
     return ", ".join(f"{index} {name}" for index, name in enumerate(names, start=1))
 

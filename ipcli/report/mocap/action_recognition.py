@@ -35,7 +35,7 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
 def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
     answers = arrays["answers"]
     unknown = int((answers == "none").sum())
-    what = {"clip": "clips", "unordered": "handfuls of frames", "window": "windows"}[str(arrays["queries"])]
+    what = {"clip": "clips", "unordered": "draws of unordered frames", "window": "windows"}[str(arrays["queries"])]
     none = f", {unknown} of them as none of the {len(arrays['actions'])} actions" if unknown else ""
     if len(answers) == 1:
         sure = f" with posterior {percent(float(arrays['posterior'].max()))}" if not unknown else ""
@@ -119,7 +119,7 @@ def _answers(arrays: Mapping[str, np.ndarray]) -> Markup:
         second = f"{actions[order[1]]} {percent(float(posterior[n, order[1]]))}" if len(order) > 1 else ""
         truth = (str(arrays["truth"][n]),) if labelled else ()
         rows.append(
-            (_query(arrays, n), *truth, str(arrays["answers"][n]), best, second, number(float(arrays["surprise"][n])))
+            (_query(arrays, n), *truth, str(arrays["answers"][n]), best, second, number(float(arrays["novelty"][n])))
         )
         if labelled and truth[0] and truth[0] != arrays["answers"][n]:
             warn[n] = "not the label that it has"
@@ -128,10 +128,10 @@ def _answers(arrays: Mapping[str, np.ndarray]) -> Markup:
         if len(posterior) > MOST_ROWS
         else ""
     )
-    columns = ("Query", *(("Label",) if labelled else ()), "Answer", "Posterior", "Next", "Surprise")
+    columns = ("Query", *(("Label",) if labelled else ()), "Answer", "Posterior", "Next", "Novelty")
     limit = float(arrays["threshold"])
     above = f"; above {number(limit)} the answer is none" if np.isfinite(limit) else ""
-    lead = f"Surprise is the typical distance of the frames from all that was learnt of the answer{above}.{more}"
+    lead = f"Novelty is the typical distance of the frames from all that was learnt of the answer{above}.{more}"
     return section("Answers", table(columns, rows, warn=warn), lead=lead)
 
 

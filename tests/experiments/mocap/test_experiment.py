@@ -33,8 +33,8 @@ def confused(right: int, wrong: int, splits: int = 2):
 def experiment():
     one = evaluation(2) | {"classes": CLASSES, "frame_confusion": confused(3, 0), "sequence_confusion": confused(8, 2)}
     one["frame_confusion"][1] = [[0, 3, 0], [0, 0, 3], [3, 0, 0]]
-    other = evaluation(1) | {"classes": CLASSES, "split": np.array("frames"), "handfuls": np.array([20])}
-    other["handful_confusion"] = other["handful_confusion"][:, :1]
+    other = evaluation(1) | {"classes": CLASSES, "split": np.array("frames"), "unordered_frames": np.array([20])}
+    other["unordered_confusion"] = other["unordered_confusion"][:, :1]
     bars = [
         Bar(("leave-one-out", "frames"), 50.0, 60.0, "a"),
         Bar(("leave-one-out", "clips"), "k-NN", None, "b"),

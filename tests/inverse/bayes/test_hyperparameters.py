@@ -10,7 +10,7 @@ import pytest
 from scipy import stats
 
 from ipcli.inverse.bayes import hyperparameters, slice
-from ipcli.inverse.bayes.hyperparameters import Clusters, Hyperparameters, Prior
+from ipcli.inverse.bayes.hyperparameters import ClusterDraws, Hyperparameters, Prior
 from ipcli.inverse.bayes.parameters import LEARNED, Hyperprior
 
 D = 3
@@ -67,7 +67,7 @@ def test_the_slice_sampler_is_given_the_conditionals_of_beta_and_alpha_up_to_a_c
     base = at.base()
     root = np.array([base.sample(rng)[1][0] for _ in range(k)])
     mean, s = rng.normal(size=(k, D)), root @ root.swapaxes(1, 2)
-    clusters = Clusters(
+    clusters = ClusterDraws(
         k, s.sum(axis=0), np.einsum("kij,kj->i", s, mean), root, mean, float(np.linalg.slogdet(s)[1].sum())
     )
     given = {}

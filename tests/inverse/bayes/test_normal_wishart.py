@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from ipcli.inverse.bayes import wishart
-from ipcli.inverse.bayes.normal_wishart import NormalWishart, Points
+from ipcli.inverse.bayes.normal_wishart import NormalWishart, SetStatistics
 from ipcli.inverse.bayes.student import Students
 
 
@@ -15,7 +15,7 @@ def a_prior(d, rng):
 
 
 def one_set(x):
-    return Points.of(x, np.zeros(len(x), int), 1)
+    return SetStatistics.of(x, np.zeros(len(x), int), 1)
 
 
 @pytest.fixture
@@ -46,7 +46,7 @@ def test_one_point_after_the_other_gives_the_posterior_of_all_together(rng, d):
 
 def test_an_empty_set_leaves_the_prior_and_has_density_one(rng):
     prior = a_prior(3, rng)
-    empty = Points.of(np.empty((0, 3)), np.empty(0, int), 1)
+    empty = SetStatistics.of(np.empty((0, 3)), np.empty(0, int), 1)
     assert prior.log_marginal(empty)[0] == 0
     np.testing.assert_array_equal(prior.posterior(empty).psi, prior.psi)
 

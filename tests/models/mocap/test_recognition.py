@@ -11,7 +11,7 @@ from scipy import stats
 from ipcli.errors import ParameterError
 from ipcli.inverse.bayes.parameters import Mixture
 from ipcli.inverse.bayes.predictive import Predictive
-from ipcli.models.mocap import behaviours, features, recognition
+from ipcli.models.mocap import behaviours, features, recognition, training
 from ipcli.models.mocap.parameters import MOTION, Decision, Features, Learning
 from ipcli.models.mocap.recognition import NONE
 from tests.fixtures.mocap_bodies import ACTIONS, GROUPS, acted, poses
@@ -37,7 +37,7 @@ def collected(settings, actors, frames=40):
 @pytest.fixture(scope="module")
 def learnt():
     x, action, _ = collected(QUICK.features, range(5))
-    return behaviours.train(x, action, NAMES, QUICK, np.random.default_rng(0))
+    return training.train(x, action, NAMES, QUICK, np.random.default_rng(0))
 
 
 @pytest.fixture(scope="module")
@@ -52,9 +52,7 @@ def test_people_never_seen_are_recognised(learnt, asked, rule):
     density = recognition.log_densities(learnt, x)
     posterior = recognition.frame_posteriors(learnt, density, decision)
     assert (posterior.argmax(axis=1) == action).mean() > 0.95
-    answer = recognition.answer(
-        posterior, recognition.surprises(learnt, density, decision), clip, clip[-1] + 1, decision
-    )
+    answer = recognition.answer(posterior, recognition.novelty_scores(learnt, density), clip, clip[-1] + 1, decision)
     assert (answer.action == np.repeat(np.arange(len(NAMES)), 4)).all()
     assert (answer.frames == 40).all()
 
@@ -80,10 +78,10 @@ def test_densities_are_those_of_the_mixtures(learnt, asked):
 @given(st.permutations(range(30)))
 def test_order_makes_no_difference(order):
     rng = np.random.default_rng(1)
-    posterior, surprise = np.log(rng.dirichlet(np.ones(4), 30)), rng.standard_normal((30, 4))
+    posterior, novelty = np.log(rng.dirichlet(np.ones(4), 30)), rng.standard_normal((30, 4))
     query = np.repeat([0, 1, 2], 10)
-    one = recognition.answer(posterior, surprise, query, 3, Decision())
-    other = recognition.answer(posterior[order], surprise[order], query[order], 3, Decision())
+    one = recognition.answer(posterior, novelty, query, 3, Decision())
+    other = recognition.answer(posterior[order], novelty[order], query[order], 3, Decision())
     np.testing.assert_allclose(one.posterior, other.posterior, atol=1e-12)
     assert (one.action == other.action).all()
 
@@ -107,19 +105,19 @@ def test_a_frame_that_shows_nothing_has_no_say(learnt, asked):
     for part in x.values():
         part[[2, 5, 8, 9, 10, 11]] = np.nan
     density, decision = recognition.log_densities(learnt, x), Decision()
-    posterior, surprise = (
+    posterior, novelty = (
         recognition.frame_posteriors(learnt, density, decision),
-        recognition.surprises(learnt, density, decision),
+        recognition.novelty_scores(learnt, density),
     )
     query = np.repeat([0, 1], [8, 4])
-    answer = recognition.answer(posterior, surprise, query, 2, decision)
+    answer = recognition.answer(posterior, novelty, query, 2, decision)
     kept = [0, 1, 3, 4, 6, 7]
-    alone = recognition.answer(posterior[kept], surprise[kept], query[kept], 1, decision)
+    alone = recognition.answer(posterior[kept], novelty[kept], query[kept], 1, decision)
     assert answer.frames.tolist() == [6, 0]
     np.testing.assert_allclose(answer.posterior[0], alone.posterior[0])
     np.testing.assert_allclose(answer.posterior[1], 1 / len(NAMES))
     assert answer.action[1] == NONE
-    assert np.isnan(answer.surprise[1])
+    assert np.isnan(answer.novelty[1])
 
 
 @RULES
@@ -131,9 +129,7 @@ def test_poses_alone_are_what_a_model_that_knows_no_motion_says(learnt, asked, r
         alone, recognition.frame_posteriors(learnt, recognition.log_densities(learnt, still), Decision(rule=rule))
     )
     assert np.abs(alone - recognition.frame_posteriors(learnt, density, Decision(rule=rule))).max() > 0.01
-    strange = (
-        recognition.surprises(learnt, d, Decision()) for d in (density, recognition.poses_alone(learnt, density))
-    )
+    strange = (recognition.novelty_scores(learnt, d) for d in (density, recognition.poses_alone(learnt, density)))
     np.testing.assert_allclose(*strange)
 
 
@@ -154,18 +150,18 @@ def test_what_is_unlike_all_actions_is_none(learnt, asked):
     density = recognition.log_densities(learnt, x)
     known = recognition.answer(
         recognition.frame_posteriors(learnt, density, decision),
-        recognition.surprises(learnt, density, decision),
+        recognition.novelty_scores(learnt, density),
         clip,
         12,
         decision,
     )
-    limit = recognition.threshold(known.surprise, decision)
+    limit = recognition.threshold(known.novelty, decision)
     motion = poses(30, 5, spread=1.2)
     strange = features.of_motion(motion, GROUPS, features.reference_lengths([motion], GROUPS), QUICK.features)
     density = recognition.log_densities(learnt, strange)
     answer = recognition.answer(
         recognition.frame_posteriors(learnt, density, decision),
-        recognition.surprises(learnt, density, decision),
+        recognition.novelty_scores(learnt, density),
         np.zeros(30, int),
         1,
         decision,
@@ -173,7 +169,7 @@ def test_what_is_unlike_all_actions_is_none(learnt, asked):
     )
     assert answer.action.tolist() == [NONE]
     assert answer.posterior.sum() == pytest.approx(1)
-    assert (known.surprise <= limit).mean() >= 0.9
+    assert (known.novelty <= limit).mean() >= 0.9
 
 
 def test_a_model_survives_as_arrays(learnt, asked):
@@ -187,9 +183,7 @@ def test_a_model_survives_as_arrays(learnt, asked):
 def test_the_same_seed_learns_the_same(asked):
     x, action, _ = asked
     settings = Learning(frames=30, mixture=Mixture(sweeps=4, burn_in=2, thin=1))
-    one, other, third = (
-        behaviours.train(x, action, NAMES, settings, np.random.default_rng(seed)) for seed in (1, 1, 2)
-    )
+    one, other, third = (training.train(x, action, NAMES, settings, np.random.default_rng(seed)) for seed in (1, 1, 2))
     for name, array in behaviours.arrays(one).items():
         np.testing.assert_array_equal(array, behaviours.arrays(other)[name])
     assert (one.alpha != third.alpha).any()
@@ -216,9 +210,9 @@ def test_windows_cover_a_take(frames, width, step):
 
 
 @given(st.integers(0, 2**31), st.integers(1, 8))
-def test_a_handful_is_of_so_many_frames_of_each_query(seed, frames):
+def test_unordered_frames_are_so_many_of_each_query(seed, frames):
     query = np.repeat([0, 2, 5], [3, 10, 6])
-    rows = recognition.handfuls(query, frames, np.random.default_rng(seed))
+    rows = recognition.draw_unordered(query, frames, np.random.default_rng(seed))
     assert len(set(rows)) == len(rows)
     counts = np.bincount(query[rows], minlength=6)
     assert counts.tolist() == [min(3, frames), 0, min(10, frames), 0, 0, min(6, frames)]
@@ -231,15 +225,15 @@ def test_features_without_a_group_of_the_model_are_refused(learnt, asked):
 
 
 def test_an_action_without_frames_is_refused():
-    with pytest.raises(ParameterError, match="action number 1"):
-        behaviours.draw_frames(np.zeros(9, int), 2, QUICK, np.random.default_rng(0))
+    with pytest.raises(ParameterError, match="action 'b' has 0 frames"):
+        behaviours.draw_frames(np.zeros(9, int), ("a", "b"), QUICK, np.random.default_rng(0))
 
 
 def test_a_group_that_is_never_seen_is_refused(asked):
     x = {group: part.copy() for group, part in asked[0].items()}
     x["left_leg"][:] = np.nan
     with pytest.raises(ParameterError, match="left_leg"):
-        behaviours.train(x, asked[1], NAMES, QUICK, np.random.default_rng(0))
+        training.train(x, asked[1], NAMES, QUICK, np.random.default_rng(0))
 
 
 def test_printed_features_can_be_learnt_too():
@@ -250,7 +244,7 @@ def test_printed_features_can_be_learnt_too():
         mixture=Mixture(sweeps=6, burn_in=3),
     )
     x, action, _ = collected(settings.features, range(3))
-    model = behaviours.train(x, action, NAMES, settings, np.random.default_rng(0))
+    model = training.train(x, action, NAMES, settings, np.random.default_rng(0))
     assert model.groups == tuple(GROUPS.parts)
     decision = Decision(rule="preferences")
     posterior = recognition.frame_posteriors(model, recognition.log_densities(model, x), decision)

@@ -33,27 +33,27 @@ def test_both_sides_are_disjoint_and_never_empty(kind):
             assert (split.train | split.test).all()
 
 
-@pytest.mark.parametrize("kind", ["actors", "leave-one-actor-out", "one-actor"])
+@pytest.mark.parametrize("kind", ["subjects", "leave-one-out", "one-to-rest"])
 def test_no_actor_is_on_both_sides(kind):
     for split in make(kind):
         assert not actors_of(split.train) & actors_of(split.test)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in splits.KINDS if kind != "random-frames"])
+@pytest.mark.parametrize("kind", [kind for kind in splits.KINDS if kind != "frames"])
 def test_no_clip_is_on_both_sides(kind):
     for split in make(kind):
         assert not set(FRAMES.clip[split.train]) & set(FRAMES.clip[split.test])
 
 
 def test_who_is_left_out_and_who_is_alone():
-    assert [actors_of(s.test) for s in make("leave-one-actor-out")] == [{"x"}, {"y"}, {"z"}]
-    assert [actors_of(s.train) for s in make("one-actor")] == [{"x"}, {"y"}, {"z"}]
-    assert actors_of(make("actors")[0].test) == {"y", "z"}
+    assert [actors_of(s.test) for s in make("leave-one-out")] == [{"x"}, {"y"}, {"z"}]
+    assert [actors_of(s.train) for s in make("one-to-rest")] == [{"x"}, {"y"}, {"z"}]
+    assert actors_of(make("subjects")[0].test) == {"y", "z"}
 
 
 @given(st.integers(0, 2**31))
 def test_random_frames_leave_half_of_each_action(seed):
-    (split,) = make("random-frames", seed)
+    (split,) = make("frames", seed)
     action = FRAMES.label[FRAMES.clip]
     for name in "ab":
         assert split.train[action == name].sum() == (action == name).sum() // 2
@@ -66,7 +66,7 @@ def test_random_frames_take_no_more_than_the_thesis():
 
 @given(st.integers(0, 2**31))
 def test_random_clips_halve_each_action(seed):
-    (split,) = make("random-clips", seed)
+    (split,) = make("clips", seed)
     for name in "ab":
         clips = np.flatnonzero(FRAMES.label == name)
         assert len(set(FRAMES.clip[split.train]) & set(clips)) == len(clips) // 2
@@ -80,27 +80,27 @@ def test_published_splits_are_as_published():
 
 
 def test_a_split_is_a_function_of_its_seed():
-    for kind in ("random-frames", "random-clips"):
+    for kind in ("frames", "clips"):
         assert (make(kind, 3)[0].train == make(kind, 3)[0].train).all()
         assert any((make(kind, 3)[0].train != make(kind, seed)[0].train).any() for seed in range(4, 9))
 
 
 def test_what_cannot_be_split_is_refused():
-    with pytest.raises(ParameterError, match="actors"):
-        splits.make("actor", FRAMES, np.random.default_rng(0))
+    with pytest.raises(ParameterError, match="subjects"):
+        splits.make("subject", FRAMES, np.random.default_rng(0))
     with pytest.raises(ParameterError, match="no actor 'q'"):
-        splits.make("actors", FRAMES, np.random.default_rng(0), test=("q",))
+        splits.make("subjects", FRAMES, np.random.default_rng(0), test=("q",))
     with pytest.raises(ParameterError, match="no published splits"):
         splits.make("published", FRAMES, np.random.default_rng(0))
     alone = splits.Frames(np.zeros(4, int), np.array(["a"]), np.array(["x"]))
     with pytest.raises(ParameterError, match="nothing to train on"):
-        splits.make("leave-one-actor-out", alone, np.random.default_rng(0))
+        splits.make("leave-one-out", alone, np.random.default_rng(0))
     with pytest.raises(ParameterError, match="nothing to test on"):
-        splits.make("one-actor", alone, np.random.default_rng(0))
+        splits.make("one-to-rest", alone, np.random.default_rng(0))
 
 
 def test_random_frames_of_a_take_are_drawn_of_each_of_its_actions():
     action = np.repeat(["", "a", "b"], [100, 6, 50])
     take = splits.Frames(np.zeros(156, int), np.array([""]), np.array(["x"]), action)
-    found = splits.make("random-frames", take, np.random.default_rng(0))[0]
+    found = splits.make("frames", take, np.random.default_rng(0))[0]
     assert {name: int(found.train[action == name].sum()) for name in ("a", "b")} == {"a": 3, "b": 25}

@@ -27,7 +27,7 @@ def recognition_artefact(queries="clip", n=7):
         "answers": answers,
         "posterior": posterior,
         "group_posterior": rng.random((n, 2)),
-        "surprise": rng.random(n),
+        "novelty": rng.random(n),
         "threshold": np.float64(0.9),
         "truth": np.append(ACTIONS, texts(*["kick"] * n))[:n],
     }
@@ -57,13 +57,14 @@ def variants():
     yield "action-evaluation", "nothing tested", evaluation() | {"sequence_confusion": np.zeros((3, 3, 3), np.int64)}
     yield (
         "action-evaluation",
-        "no handfuls",
-        evaluation() | {"handfuls": np.empty(0, np.int64), "handful_confusion": np.zeros((3, 0, 3, 3), np.int64)},
+        "no unordered frames",
+        evaluation()
+        | {"unordered_frames": np.empty(0, np.int64), "unordered_confusion": np.zeros((3, 0, 3, 3), np.int64)},
     )
     yield "action-recognition", "clips", recognition_artefact()
     yield "action-recognition", "one clip", recognition_artefact(n=1)
     yield "action-recognition", "no labels", without(recognition_artefact(), "truth")
-    yield "action-recognition", "handfuls", recognition_artefact("unordered")
+    yield "action-recognition", "unordered_frames", recognition_artefact("unordered")
     yield "action-recognition", "windows", windows()
     yield (
         "action-recognition",
@@ -73,7 +74,7 @@ def variants():
     yield (
         "action-recognition",
         "no frames",
-        recognition_artefact() | {"surprise": np.full(7, np.nan), "group_posterior": np.full((7, 2), np.nan)},
+        recognition_artefact() | {"novelty": np.full(7, np.nan), "group_posterior": np.full((7, 2), np.nan)},
     )
     yield (
         "action-recognition",

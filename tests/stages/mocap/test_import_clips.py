@@ -13,6 +13,7 @@ from ipcli.io.motion.quaternions import matrices
 from ipcli.params import Run, resolve
 from ipcli.stages.kit.artefact import Outcome
 from ipcli.stages.mocap import import_clips
+from ipcli.stages.mocap.parameters import ImportClips
 
 JOINTS, PARENTS = ("hips", "head", "foot"), (-1, 0, 0)
 
@@ -25,7 +26,7 @@ def save(path, seed=0, frames=13, scale=1.0, **extra):
 
 
 def made(source, output, **flags):
-    params = resolve(import_clips.Params, env={}, flags=flags)
+    params = resolve(ImportClips, env={}, flags=flags)
     return import_clips.run(source, output, params, Run())
 
 
