@@ -1,10 +1,8 @@
-"""Collapsed Gibbs sampling and split-merge moves for a Dirichlet process mixture of Gaussians with a Normal-Wishart
-base.
+"""Collapsed Gibbs sampling and split-merge moves for Dirichlet process mixtures of Gaussians (Normal-Wishart base).
 
 The base measure is S ~ Wishart(beta, psi^-1), mu | S ~ N(xi, (rho S)^-1); means and precisions are integrated out.
-Clusters stand side by side along the last axis of every array, so that all of them are asked about a point in one
-vector loop. Slot 0 is the empty cluster, whose predictive is that of the base measure; slots 1, 2, ... hold the
-clusters 0, 1, ... of the labels.
+Clusters stand side by side along the last axis of every array: all are asked about a point in one vector loop. Slot 0
+is the empty cluster, whose predictive is that of the base measure; slots 1, 2, ... hold clusters 0, 1, ... of labels.
 """
 
 import math
@@ -35,9 +33,8 @@ def _base(xi, rho, beta, chol, alpha, n):
     predictive, marginal = np.empty(n + 2), np.zeros(n + 2)
     for m in range(n + 2):
         r, b = rho + m, beta + m
-        constant = (
-            math.lgamma(0.5 * (b + 1)) - math.lgamma(0.5 * (b + 1 - d)) - 0.5 * d * math.log(math.pi * (r + 1) / r)
-        )
+        constant = math.lgamma(0.5 * (b + 1)) - math.lgamma(0.5 * (b + 1 - d))
+        constant -= 0.5 * d * math.log(math.pi * (r + 1) / r)
         predictive[m] = math.log(m if m > 0 else alpha) + constant
         if m < n + 1:
             marginal[m + 1] = marginal[m] + constant
@@ -47,18 +44,10 @@ def _base(xi, rho, beta, chol, alpha, n):
 @njit(cache=True, error_model="numpy", nogil=True)
 def _allocate(d, slots):
     slots = (slots + LANES - 1) // LANES * LANES
-    return Clusters(
-        np.zeros(slots, np.int64),
-        np.zeros((d, slots)),
-        np.zeros((d, d, slots)),
-        np.ones((d, slots)),
-        np.zeros(slots),
-        np.full(slots, -np.inf),
-        np.zeros(slots),
-        np.ones(slots),
-        np.zeros((d, slots)),
-        np.zeros(slots),
-    )
+    count, mean, work, score = np.zeros(slots, np.int64), np.zeros((d, slots)), np.zeros((d, slots)), np.zeros(slots)
+    lower, inverse = np.zeros((d, d, slots)), np.ones((d, slots))
+    logdet, constant, exponent, ratio = np.zeros(slots), np.full(slots, -np.inf), np.zeros(slots), np.ones(slots)
+    return Clusters(count, mean, lower, inverse, logdet, constant, exponent, ratio, work, score)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -98,9 +87,7 @@ def _open(clusters, k, base):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _update(clusters, k, v, a):
-    """L D L' + a v v' in slot k (method C1 of Gill, Golub, Murray and Saunders 1974); v is spent. False if that is not
-    safe.
-    """
+    """L D L' + a v v' in slot k (C1 of Gill, Golub, Murray and Saunders 1974); v is spent. Whether it was safe."""
     d, growth = v.shape[0], 1.0
     lower, inverse = clusters.lower, clusters.inverse
     for j in range(d):
@@ -248,9 +235,7 @@ def _leave(clusters, slot, x, z, i, base, v):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def sweep(x, z, k, xi, rho, beta, chol, alpha, rng):
-    """One scan of Neal's Algorithm 3 over the points x (n, d): labels z (n,) of k clusters, in place; (the new k,
-    points moved).
-    """
+    """Neal's Algorithm 3 once over points x (n, d), labels z (n,) of k clusters in place; (new k, points moved)."""
     n, d = x.shape
     base = _base(xi, rho, beta, chol, alpha, n)
     clusters, slots, v, moved = _gather(x, z, base, k), k + 1, np.empty(d), 0
@@ -306,8 +291,7 @@ def _members(z, i, j, rng):
     for p in range(z.shape[0]):
         if p != i and p != j and (z[p] == z[i] or z[p] == z[j]):
             at = int(rng.random() * (m + 1))
-            members[m] = members[at]
-            members[at] = p
+            members[m], members[at] = members[at], p
             m += 1
     return members[:m]
 
@@ -332,17 +316,15 @@ def _rescan(pair, x, members, side, target, base, v, rng):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _propose(x, i, j, members, target, base, scans, rng):
-    """(sides, log probability) of a split of the members between the seeds i and j, drawn, or towards `target` if that
-    holds any.
+    """(sides, log probability) of a split of the members between seeds i and j, drawn, or towards any `target`.
 
     The launch state is dealt out one by one (as Dahl 2005), in random order, before its restricted scans: it depends on
     the seeds and the members alone, so that the probability of the proposal is that of the last scan.
     """
     pair, v = _allocate(x.shape[1], 3), np.empty(x.shape[1])
-    for slot in range(1, 3):
+    for seed, slot in ((i, 1), (j, 2)):
         _open(pair, slot, base)
-    _add(pair, 1, x[i], base, v)
-    _add(pair, 2, x[j], base, v)
+        _add(pair, slot, x[seed], base, v)
     side, nowhere = np.zeros(members.shape[0], np.int64), np.zeros(members.shape[0], np.int64)
     log_q = 0.0
     for _ in range(1 + scans):

@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ipcli import provenance
 from ipcli.errors import ParameterError
 from ipcli.models.mocap.evaluation import evaluate, make_splits
 from ipcli.models.mocap.motions import number_actions, select
-from ipcli.params import Run, as_dict
+from ipcli.params import Run
 from ipcli.progress import Progress, silent
-from ipcli.stages.kit.artefact import Job, Outcome, make
+from ipcli.stages.kit.artefact import Job, Outcome, make_resumable
 from ipcli.stages.kit.checkpoint import Checkpoint
 from ipcli.stages.kit.pages import page
 from ipcli.stages.mocap.fitting import fit_cells
@@ -29,13 +28,8 @@ def run(paths: Sequence[Path], output: Path, params: MocapEvaluate, run: Run, pr
     Raises ParameterError for a split that leaves nothing on one side, and what reading.read raises.
     """
     files = inputs(paths, params.groups)
-    record = provenance.record("mocap-evaluate", as_dict(params), files, KIND, run.seed)
-    work = Checkpoint.of(output, record["digest"])
     job = Job(output, KIND, "mocap-evaluate", params, files, page(output, KIND))
-    outcome = make(job, lambda: evaluation(paths, params, run, work, progress), run)
-    if not run.dry_run:
-        work.clear()
-    return outcome
+    return make_resumable(job, lambda work: evaluation(paths, params, run, work, progress), run)
 
 
 def evaluation(

@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ipcli import provenance
 from ipcli.models.mocap.motions import select
 from ipcli.models.mocap.training import learn_behaviours
-from ipcli.params import Run, as_dict
+from ipcli.params import Run
 from ipcli.progress import Progress, silent
-from ipcli.stages.kit.artefact import Job, Outcome, make
+from ipcli.stages.kit.artefact import Job, Outcome, make_resumable
 from ipcli.stages.kit.checkpoint import Checkpoint
 from ipcli.stages.kit.pages import page
 from ipcli.stages.mocap.fitting import fit_cells
@@ -26,17 +25,13 @@ def run(paths: Sequence[Path], output: Path, params: MocapTrain, run: Run, progr
     Raises ParameterError for clips without labels or an action of hardly a frame, and what reading.read raises.
     """
     files = inputs(paths, params.groups)
-    record = provenance.record("mocap-train", as_dict(params), files, "behaviours", run.seed)
-    work = Checkpoint.of(output, record["digest"])
 
-    def build() -> dict[str, np.ndarray]:
+    def build(work: Checkpoint) -> dict[str, np.ndarray]:
         known = select(read(paths, params.reading, params.groups), params.actors, params.actions)
         learning = params.learning
         return learn_behaviours(
             known, learning, params.decision, run.seed, lambda points: fit_cells(points, learning, run, work, progress)
         )
 
-    outcome = make(Job(output, "behaviours", "mocap-train", params, files, page(output, "behaviours")), build, run)
-    if not run.dry_run:
-        work.clear()
-    return outcome
+    job = Job(output, "behaviours", "mocap-train", params, files, page(output, "behaviours"))
+    return make_resumable(job, build, run)
