@@ -52,7 +52,7 @@ def map_items(
         attempts[name] = outcome
         progress(len(attempts) / len(items), name)
     done = {name: attempts[name].result for name in items if attempts[name].reason is None}
-    failed = {name: attempts[name].reason for name in items if attempts[name].reason is not None}
+    failed = {name: reason for name in items if (reason := attempts[name].reason) is not None}
     if failed:
         raise ItemsFailed(failed, done)
     return done
@@ -136,4 +136,5 @@ def _on_dask(attempt: Callable, items: Sequence[str], address: str) -> Iterator[
     with ExitStack() as stack:
         cluster = address or stack.enter_context(LocalCluster(threads_per_worker=1, dashboard_address=None))
         client = stack.enter_context(Client(cluster, set_as_default=False))
-        yield from _submitted(client.get_executor(pure=False), attempt, items)
+        for name, outcome in _submitted(client.get_executor(pure=False), attempt, items):
+            yield name, outcome or Attempt(None, "its worker died")

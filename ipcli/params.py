@@ -218,7 +218,7 @@ def _accept(value: Any, leaf: Leaf, where: str) -> Any:
         raise ParameterError(f"{where}: {leaf.key} = {value!r}: expected {expected(leaf)}") from None
 
 
-def _scalar(value: Any, kind: type, about: Option) -> Any:
+def _scalar(value: Any, kind: Any, about: Option) -> Any:
     if isinstance(value, str) and kind is not str:
         value = TRUTH[value.lower()] if kind is bool else kind(value)
     if kind is float and type(value) is int:
@@ -232,7 +232,7 @@ def _scalar(value: Any, kind: type, about: Option) -> Any:
     return value
 
 
-def shape(kind: Any) -> tuple[type, bool, bool]:
+def shape(kind: Any) -> tuple[Any, bool, bool]:
     """(type of one value, whether it is a tuple of them, whether None is allowed) of a leaf's type."""
     is_optional = typing.get_origin(kind) in (types.UnionType, typing.Union)
     if is_optional:

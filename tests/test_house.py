@@ -123,13 +123,11 @@ WITHOUT_MIRROR = {
     "ipcli.report.mocap.action_evaluation",
     "ipcli.report.mocap.action_recognition",
     "ipcli.report.mocap.behaviours",
-    "ipcli.stages.fusion.scenes",
     "ipcli.stages.fusion.sources",
     "ipcli.stages.kit.info",
     "ipcli.stages.kit.pages",
     "ipcli.stages.mocap.mocap_classify",
     "ipcli.stages.mocap.mocap_evaluate",
-    "ipcli.stages.mocap.motions",
 }
 
 

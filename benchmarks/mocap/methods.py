@@ -180,7 +180,7 @@ class Variational(Behaviours):
 
         self.classes, action = np.unique(labels, return_inverse=True)
         actions = np.repeat(action, [len(clip) for clip in clips])
-        rows = behaviours.draw_frames(actions, self.classes, self.settings, np.random.default_rng(0))
+        rows = behaviours.draw_frames(actions, list(map(str, self.classes)), self.settings, np.random.default_rng(0))
         features = {group: x[rows] for group, x in behaviours.with_body(by_group(np.concatenate(clips)), True).items()}
         projections = behaviours.fit_projections(features, actions[rows], self.settings)
         cells = [

@@ -97,7 +97,7 @@ class Groups:
         for name in parts:
             if name.startswith("left_"):
                 pairs += zip(parts[name], parts.get(name.replace("left_", "right_", 1), ()), strict=False)
-        found = {}
+        found: dict[int, int] = {}
         for left, right in pairs:
             chains = skeleton.path(int(left)), skeleton.path(int(right))
             both = list(zip(*chains, strict=False))

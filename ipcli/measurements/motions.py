@@ -79,7 +79,7 @@ def check_motion(motion: Motion, where: str | Path) -> Motion:
             where, "no frame rate", expected="> 0 Hz", got=motion.rate, fix="Give the rate with --source-rate"
         )
     if motion.rotations is not None:
-        _check_rotations(motion, where)
+        _check_rotations(motion.rotations, motion, where)
     return motion
 
 
@@ -97,8 +97,8 @@ def _check_skeleton(skeleton: Skeleton, where: str | Path) -> None:
     skeleton.from_root()
 
 
-def _check_rotations(motion: Motion, where: str | Path) -> None:
-    rotations, expected = motion.rotations, (*motion.positions.shape, 3)
+def _check_rotations(rotations: np.ndarray, motion: Motion, where: str | Path) -> None:
+    expected = (*motion.positions.shape, 3)
     if rotations.shape != expected:
         raise FormatError(
             where, "rotations have the wrong shape", expected=expected, got=rotations.shape, fix="Give 3 x 3 matrices"

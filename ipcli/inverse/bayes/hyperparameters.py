@@ -159,7 +159,9 @@ class Prior:
         def log_density(t: float) -> float:
             y = math.exp(t)
             half = 0.5 * (y + d - 1)
-            return k * (half * d * math.log(half) - wishart.log_gamma(half, d)) + half * fit - shape * t - rate / y
+            return (
+                k * (half * d * math.log(half) - float(wishart.log_gamma(half, d))) + half * fit - shape * t - rate / y
+            )
 
         return d - 1 + math.exp(slice_draw(log_density, math.log(at.beta - d + 1), rng))
 

@@ -351,8 +351,10 @@ def _with_gaps(path: Path, frames: np.ndarray, values: np.ndarray) -> np.ndarray
 
 
 def _rate(path: Path, rate: float | None) -> float:
+    if rate is not None:
+        return rate
     named = re.search(r"_(\d{2,3})$", path.stem) if path.stem.upper().startswith("HDM_") else None
-    if rate is None and named is None:
+    if named is None:
         fix = "Give it with --source-rate (HDM05 and most of CMU: 120)"
         raise FormatError(path, "an AMC file that does not say its frame rate", fix=fix)
-    return rate if rate is not None else float(named.group(1))
+    return float(named.group(1))

@@ -60,8 +60,9 @@ def clips_arrays(clips: Iterable[Clip], splits: Mapping[str, np.ndarray]) -> dic
         "parents": np.array(skeleton.parents, np.int64),
         "positions": np.concatenate([motion.positions.astype(np.float32) for motion in motions]),
     }
-    if all(motion.rotations is not None for motion in motions):
-        arrays["rotations"] = np.concatenate([quaternions(motion.rotations) for motion in motions])
+    turned = [motion.rotations for motion in motions if motion.rotations is not None]
+    if len(turned) == len(motions):
+        arrays["rotations"] = np.concatenate([quaternions(rotations) for rotations in turned])
     if any(clip.frame_labels is not None for clip in clips):
         whole = (
             np.full(len(clip.motion.positions), clip.label) if clip.frame_labels is None else clip.frame_labels

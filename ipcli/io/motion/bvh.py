@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -216,7 +217,7 @@ def _local(joints: Sequence[Joint], values: np.ndarray, scale: float) -> tuple[n
     return rotations, scale * translations
 
 
-def _turned(Rotation: type, order: str, angles: np.ndarray) -> np.ndarray:
+def _turned(Rotation: Any, order: str, angles: np.ndarray) -> np.ndarray:
     known = np.isfinite(angles).all(axis=-1)
     turned = np.full((len(angles), 3, 3), np.nan)
     if known.any():

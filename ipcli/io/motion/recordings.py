@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -113,7 +114,7 @@ def _read(recording: Recording, reading: Reading, skeletons: dict[Path, acclaim.
             got=suffix or "no suffix",
             fix="Correct the manifest",
         )
-    hints = {"rate": reading.rate, "unit": reading.unit}
+    hints: dict[str, Any] = {"rate": reading.rate, "unit": reading.unit}
     if suffix == ".amc":
         asf = acclaim.asf_of(path)
         hints["asf"] = skeletons[asf] if asf in skeletons else skeletons.setdefault(asf, acclaim.read_asf(asf))

@@ -4,7 +4,7 @@ right.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -181,5 +181,5 @@ def _wrong(arrays: Mapping[str, np.ndarray], classes: list[str]) -> Markup:
     return section("Clips named wrong", *([details("Show them", table(columns, rows))] if rows else []), lead=lead)
 
 
-def _texts(values: Sequence[object]) -> list[str]:
+def _texts(values: Iterable[object]) -> list[str]:
     return [str(value) for value in values]

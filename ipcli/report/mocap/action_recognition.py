@@ -117,7 +117,7 @@ def _answers(arrays: Mapping[str, np.ndarray]) -> Markup:
         order = np.argsort(-posterior[n], kind="stable")[:2]
         best = meter(float(posterior[n, order[0]]), percent(float(posterior[n, order[0]])))
         second = f"{actions[order[1]]} {percent(float(posterior[n, order[1]]))}" if len(order) > 1 else ""
-        truth = (str(arrays["truth"][n]),) if labelled else ()
+        truth = [str(arrays["truth"][n])] if labelled else []
         rows.append(
             (_query(arrays, n), *truth, str(arrays["answers"][n]), best, second, number(float(arrays["novelty"][n])))
         )

@@ -80,13 +80,14 @@ def read(path: Path) -> Groups:
         )
     parts = {part: _joints(path, f"groups.{part}", names) for part, names in given["groups"].items()}
     lists = {key: _joints(path, key, given[key]) for key in LISTS}
-    names = {key: _joints(path, key, [given[key]])[0] for key in NAMES}
+    root, top = (_joints(path, key, [given[key]])[0] for key in ("root", "top"))
     if len(lists["left"]) != len(lists["right"]):
         got = f"{len(lists['left'])} and {len(lists['right'])}"
         raise FormatError(
             path, "left and right are not pairs", expected="as many joints in each", got=got, fix="Give both of a pair"
         )
-    return Groups(parts, **names, **lists, up=_up(path, given.get("up", [0, 1, 0])), source=path.name)
+    up = _up(path, given.get("up", [0, 1, 0]))
+    return Groups(parts, root, lists["left"], lists["right"], top, lists["bottom"], up, path.name)
 
 
 def _joints(path: Path, key: str, names: Any) -> tuple[str, ...]:
