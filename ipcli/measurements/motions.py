@@ -49,9 +49,13 @@ class Clips:
     skeleton: Skeleton
     load: Callable[[str], Clip]
     files: Callable[[str], tuple[Path, ...]]  # what a clip is made of, for the provenance
-    splits: Mapping[str, np.ndarray] = field(
-        default_factory=dict
-    )  # published ones: name -> (clips,) of TRAIN, TEST or 0
+    # published ones: name -> (clips,) of TRAIN, TEST or 0
+    splits: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        actions, people = sorted({*self.labels} - {""}), len({*self.actors} - {""})
+        shown = ", ".join(actions[:6]) + (", ..." if len(actions) > 6 else "")
+        return f"Clips({len(self.names)} of {people} people, {len(self.skeleton.joints)} joints; actions: {shown})"
 
 
 def check_motion(motion: Motion, where: str | Path) -> Motion:

@@ -49,6 +49,10 @@ class Views:
     load: Loader
     files: Callable[[str], tuple[Path, ...]]  # the files a view is made of, for the provenance
 
+    def __repr__(self) -> str:
+        ends = " ... ".join(repr(name) for name in dict.fromkeys((self.names[0], self.names[-1]))) if self.names else ""
+        return f"Views({len(self.names)}: {ends}; {self.measured} in {self.unit})"
+
 
 def relative(dst: View, src: View) -> np.ndarray:
     """The rigid motion dst_from_src (4, 4) between the camera frames of two views."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from ipcli.errors import NoSolution, ParameterError
 from ipcli.io.files import atomic, h5
+from ipcli.io.files.h5 import Artefact
 from ipcli.models.mocap import behaviours, queries, recognition
 from ipcli.models.mocap.motions import Motions, of_people
 from ipcli.models.mocap.parameters import Features
@@ -76,16 +77,25 @@ def recognition_arrays(
 ) -> dict[str, np.ndarray]:
     """The arrays of the `action-recognition` artefact."""
     stored = h5.read(path, "behaviours")
-    model, body = behaviours.of_arrays(stored.arrays), behaviours.body_of_arrays(stored.arrays, path.name)
+    body = behaviours.body_of_arrays(stored.arrays, path.name)
     known = of_people(read(paths, params.reading, body.groups, body.skeleton), params.actors)
-    settings = resolve(Features, flags=stored.provenance["params"]["learning"]["features"])
     progress(0.2, "features")
+    return recognised_arrays(stored, known, params, seed, progress)
+
+
+def recognised_arrays(
+    stored: Artefact, known: Motions, params: MocapClassify, seed: int, progress: Progress = silent
+) -> dict[str, np.ndarray]:
+    """Ask a `behaviours` artefact about motions of its skeleton; the arrays of the `action-recognition` artefact."""
+    model, body = behaviours.of_arrays(stored.arrays), behaviours.body_of_arrays(stored.arrays, "model")
+    settings = resolve(Features, flags=stored.provenance["params"]["learning"]["features"])
     density = recognition.log_densities(model, known.features(body.lengths, settings))
     if params.unordered or not params.motion:
         density = recognition.poses_alone(model, density)
     if not np.isfinite(density).any():
         raise NoSolution(
-            f"{paths[0]}: no frame shows any group of joints whole. The model needs {', '.join(model.groups)}"
+            f"{known.clips[0].name}: no frame of any clip shows any group of joints whole. The model needs "
+            f"{', '.join(model.groups)}"
         )
     progress(0.7, "answers")
     kind, asked = _queries(known, params, seed)

@@ -32,23 +32,29 @@ def inputs(paths: Sequence[Path], groups: str) -> tuple[Path, ...]:
 def read(
     paths: Sequence[Path], reading: ClipReading, groups: str | Groups, skeleton: Skeleton | None = None
 ) -> Motions:
-    """Read the clips at `paths`, one source after the other; `groups` as io.motion.groups.find takes them, or found
+    """Read the clips at `paths`; raises what `gather` and open_clips raise."""
+    return gather([(path, open_source(path, reading.source)) for path in paths], reading.rate, groups, skeleton)
+
+
+def gather(
+    sources: Sequence[tuple[Path, Clips]], rate: float, groups: str | Groups, skeleton: Skeleton | None = None
+) -> Motions:
+    """Load all clips, one source after the other, at one rate; `groups` as io.motion.groups.find takes them, or found
     already.
 
-    Raises FormatError for clips of another skeleton than the first's, or than `skeleton` if given, for two clips of one
-    name, and what open_clips raises; ParameterError for a body without height.
+    Raises FormatError for clips of another skeleton than the first's, or than `skeleton` if given, and for two clips of
+    one name; ParameterError for a body without height.
     """
     clips: list[Clip] = []
     splits: Mapping[str, np.ndarray] = {}
-    for path in paths:
-        found = open_source(path, reading.source)
+    for path, found in sources:
         skeleton = skeleton or found.skeleton
         _check_skeleton(path, found.skeleton, skeleton)
-        clips += [resample_clip(found.load(name), reading.rate) for name in found.names]
-        splits = dict(found.splits) if len(paths) == 1 else {}
+        clips += [resample_clip(found.load(name), rate) for name in found.names]
+        splits = dict(found.splits) if len(sources) == 1 else {}
     if not clips:
-        raise FormatError(paths[0], "no clips", fix="Check the folder")
-    _check_names(paths[-1], clips)
+        raise FormatError(sources[0][0], "no clips", fix="Check the folder")
+    _check_names(sources[-1][0], clips)
     groups = find(groups, clips[0].motion.skeleton) if isinstance(groups, str) else groups
     for clip in clips:
         _check_height(clip, groups)
