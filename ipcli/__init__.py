@@ -4,10 +4,7 @@ Importing the package imports nothing else: its functions are loaded when they a
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from ipcli.api import ActionModel, Result, fuse, learn, open, read, recognise
+from typing import Any
 
 __version__ = "0.1.0"
 __all__ = ["ActionModel", "Result", "__version__", "fuse", "learn", "open", "read", "recognise"]
