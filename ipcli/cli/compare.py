@@ -12,10 +12,8 @@ from ipcli.stages.fusion.parameters import CompareFusion
 
 
 @click.command("compare")
-@click.argument("files", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), required=True, help="Table to write, such as X.comparison.h5."
-)
+@click.argument("files", type=options.PATH, nargs=-1, required=True)
+@options.output("Table to write, such as X.comparison.h5.")
 @options.parameters(CompareFusion)
 @options.common
 def main(files: tuple[Path, ...], output: Path, params: CompareFusion, run: Run) -> None:

@@ -12,13 +12,9 @@ from ipcli.stages.fusion.parameters import EvaluateFusion
 
 
 @click.command("evaluate-fusion")
-@click.argument("views", type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), required=True, help="Artefact to write, such as SCENE.trials.h5."
-)
-@click.option(
-    "--tuning", type=click.Path(path_type=Path), help="Artefact of tune-fusion: try each method at its best lambda too."
-)
+@click.argument("views", type=options.PATH)
+@options.output("Artefact to write, such as SCENE.trials.h5.")
+@click.option("--tuning", type=options.PATH, help="Artefact of tune-fusion: try each method at its best lambda too.")
 @options.parameters(EvaluateFusion)
 @options.common
 def main(views: Path, output: Path, tuning: Path | None, params: EvaluateFusion, run: Run) -> None:

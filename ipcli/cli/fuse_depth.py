@@ -12,14 +12,8 @@ from ipcli.stages.fusion.parameters import FuseDepth
 
 
 @click.command("fuse-depth")
-@click.argument("views", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    required=True,
-    help="Fused map to write, such as X.fused.h5; a folder with --all.",
-)
+@click.argument("views", type=options.PATH)
+@options.output("Fused map to write, such as X.fused.h5; a folder with --all.")
 @options.parameters(FuseDepth)
 @options.common
 def main(views: Path, output: Path, params: FuseDepth, run: Run) -> None:

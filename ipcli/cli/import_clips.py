@@ -12,14 +12,8 @@ from ipcli.stages.mocap.parameters import ImportClips
 
 
 @click.command("import-clips")
-@click.argument("source", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    required=True,
-    help="The clips artefact to write, such as X.clips.h5.",
-)
+@click.argument("source", type=options.PATH)
+@options.output("The clips artefact to write, such as X.clips.h5.")
 @options.parameters(ImportClips)
 @options.common
 def main(source: Path, output: Path, params: ImportClips, run: Run) -> None:

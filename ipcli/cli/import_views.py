@@ -12,14 +12,8 @@ from ipcli.stages.fusion.parameters import ImportViews
 
 
 @click.command("import-views")
-@click.argument("source", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    required=True,
-    help="The views artefact to write, such as X.views.h5.",
-)
+@click.argument("source", type=options.PATH)
+@options.output("The views artefact to write, such as X.views.h5.")
 @options.parameters(ImportViews)
 @options.common
 def main(source: Path, output: Path, params: ImportViews, run: Run) -> None:

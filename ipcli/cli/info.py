@@ -13,7 +13,7 @@ from ipcli.params import Run
 
 
 @click.command("info")
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=options.PATH)
 @options.reading
 def main(file: Path, run: Run) -> None:
     """Tell what FILE (an .h5 artefact or a .ply) holds: kind, fields, units, and how it was made."""

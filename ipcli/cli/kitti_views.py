@@ -12,14 +12,14 @@ from ipcli.stages.fusion.parameters import KittiViews
 
 
 @click.command("kitti-views")
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=options.PATH)
 @click.option(
     "--poses",
-    type=click.Path(path_type=Path),
+    type=options.PATH,
     required=True,
     help="NPZ of all scenes, or text of 12 numbers a frame, or a folder of these.",
 )
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder for SCENE.views.h5.")
+@options.output("Folder for SCENE.views.h5.")
 @options.parameters(KittiViews)
 @options.common
 def main(folder: Path, poses: Path, output: Path, params: KittiViews, run: Run) -> None:

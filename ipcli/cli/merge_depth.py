@@ -12,8 +12,8 @@ from ipcli.stages.fusion.parameters import MergeDepth
 
 
 @click.command("merge-depth")
-@click.argument("files", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Cloud to write, such as X.ply.")
+@click.argument("files", type=options.PATH, nargs=-1, required=True)
+@options.output("Cloud to write, such as X.ply.")
 @options.parameters(MergeDepth)
 @options.common
 def main(files: tuple[Path, ...], output: Path, params: MergeDepth, run: Run) -> None:

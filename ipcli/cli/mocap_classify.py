@@ -12,11 +12,9 @@ from ipcli.stages.mocap.parameters import MocapClassify
 
 
 @click.command("mocap-classify")
-@click.argument("model", type=click.Path(path_type=Path))
-@click.argument("clips", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), required=True, help="Answers to write, such as X.recognition.h5."
-)
+@click.argument("model", type=options.PATH)
+@click.argument("clips", type=options.PATH, nargs=-1, required=True)
+@options.output("Answers to write, such as X.recognition.h5.")
 @options.parameters(MocapClassify)
 @options.common
 def main(model: Path, clips: tuple[Path, ...], output: Path, params: MocapClassify, run: Run) -> None:

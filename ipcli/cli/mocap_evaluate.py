@@ -12,14 +12,8 @@ from ipcli.stages.mocap.parameters import MocapEvaluate
 
 
 @click.command("mocap-evaluate")
-@click.argument("clips", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    required=True,
-    help="Evaluation to write, such as X.evaluation.h5.",
-)
+@click.argument("clips", type=options.PATH, nargs=-1, required=True)
+@options.output("Evaluation to write, such as X.evaluation.h5.")
 @options.parameters(MocapEvaluate)
 @options.common
 def main(clips: tuple[Path, ...], output: Path, params: MocapEvaluate, run: Run) -> None:

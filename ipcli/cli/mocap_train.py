@@ -12,10 +12,8 @@ from ipcli.stages.mocap.parameters import MocapTrain
 
 
 @click.command("mocap-train")
-@click.argument("clips", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), required=True, help="Model to write, such as X.model.h5."
-)
+@click.argument("clips", type=options.PATH, nargs=-1, required=True)
+@options.output("Model to write, such as X.model.h5.")
 @options.parameters(MocapTrain)
 @options.common
 def main(clips: tuple[Path, ...], output: Path, params: MocapTrain, run: Run) -> None:

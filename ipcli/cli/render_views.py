@@ -12,14 +12,8 @@ from ipcli.stages.fusion.parameters import RenderViews
 
 
 @click.command("render-views")
-@click.argument("mesh", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    required=True,
-    help="The views artefact to write, such as X.views.h5.",
-)
+@click.argument("mesh", type=options.PATH)
+@options.output("The views artefact to write, such as X.views.h5.")
 @options.parameters(RenderViews)
 @options.common
 def main(mesh: Path, output: Path, params: RenderViews, run: Run) -> None:

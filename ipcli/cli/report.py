@@ -12,10 +12,8 @@ from ipcli.stages.kit.parameters import Report
 
 
 @click.command("report")
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="PAGE.html", help="Page to write.  [default: FILE.html]"
-)
+@click.argument("file", type=options.PATH)
+@click.option("-o", "--output", type=options.PATH, metavar="PAGE.html", help="Page to write.  [default: FILE.html]")
 @options.parameters(Report)
 @options.common
 def main(file: Path, output: Path | None, params: Report, run: Run) -> None:

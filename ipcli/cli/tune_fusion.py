@@ -12,10 +12,8 @@ from ipcli.stages.fusion.parameters import TuneFusion
 
 
 @click.command("tune-fusion")
-@click.argument("files", metavar="VIEWS...", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), required=True, help="Artefact to write, such as X.tuning.h5."
-)
+@click.argument("files", metavar="VIEWS...", type=options.PATH, nargs=-1, required=True)
+@options.output("Artefact to write, such as X.tuning.h5.")
 @options.parameters(TuneFusion)
 @options.common
 def main(files: tuple[Path, ...], output: Path, params: TuneFusion, run: Run) -> None:
