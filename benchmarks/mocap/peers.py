@@ -78,8 +78,8 @@ def protocols(
 
 def queries(problem: LabelledClips, split: SplitOfClips, kind: str | int) -> Iterator[tuple[int, np.ndarray]]:
     """(clip, frames) of each question: whole clips, whole clips shuffled, or unordered draws of so many frames."""
-    for clip in np.flatnonzero(split.test):
-        rng, n = np.random.default_rng([int(clip), 7]), problem.lengths[clip]
+    for clip in np.flatnonzero(split.test).tolist():
+        rng, n = np.random.default_rng([clip, 7]), problem.lengths[clip]
         if kind == "whole":
             yield clip, np.arange(n)
         elif kind == "shuffled":
