@@ -10,7 +10,7 @@ from ipcli.geometry.rig import Rig
 from ipcli.kernels import matching, threads
 from ipcli.models.gaze.parameters import Detection
 
-WORST = 26000  # largest squared distance of two matching descriptors (bytes, 255 = 1)
+WORST = 80000  # largest squared distance of two matching descriptors (262144 = 1)
 FLAT = 2.0  # grey levels: standard deviation of a picture that shows nothing
 
 

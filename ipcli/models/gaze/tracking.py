@@ -17,7 +17,8 @@ from ipcli.models.gaze.retrieval import Album
 from ipcli.models.gaze.scene_map import NONE, SceneMap
 from ipcli.rng import stream
 
-WIDE, CLOSE = 30.0, 6.0  # pixels around where a point is expected: of a predicted pose, of a found one
+WIDE = 0.08  # of the picture's width: how far from where it is expected a point is looked for with a predicted pose
+CLOSE = (15.0, 5.0)  # pixels, with a pose that is found, first and then
 STEADY = 0.5  # share of the points found by prediction that must fit for the prediction to be trusted
 NEIGHBOURS = 10  # frames whose points are looked for once the pose is roughly known
 
@@ -74,7 +75,7 @@ class Tracker:
         vector = None
         if found is None:
             vector, how = self.album.vector(features.descriptors), "recognised"
-            found = self._recognised(number, features, vector)
+            found = self._recognised(features, vector)
         if found is None:
             return _lost(number, "no past frame explains it")
         estimate, chosen, ids = self._completed(features, *found)
@@ -105,16 +106,24 @@ class Tracker:
             guess = last.pose @ lie.se3_inverse(self.tracks[-2].pose) @ last.pose
         positions = self.scene.covisible(last.ids, NEIGHBOURS) if len(last.ids) else [len(self.scene.frames) - 1]
         around = self.scene.points_of(positions)
-        chosen, ids = self._guided(features, guess, around, WIDE, 0.8)
+        chosen, ids = self._guided(features, guess, around, WIDE * self.rig.sizes[0, 0], 0.8)
         if len(ids) < 2 * self.p.tracking.least:
             return None
-        cut = self.p.tracking.error
-        first = pose.refine(self.rig, guess, self.scene.sightings(features, chosen, ids), cut=cut)
-        if first.inliers.sum() < max(2 * self.p.tracking.least, STEADY * len(ids)):
-            return None
-        return first, chosen[first.inliers], ids[first.inliers]
+        return self._agreed(features, chosen, ids, max(2 * self.p.tracking.least, STEADY * len(ids)))
 
-    def _recognised(self, number: int, features: Features, vector: np.ndarray):
+    def _agreed(self, features: Features, chosen: np.ndarray, ids: np.ndarray, least: float):
+        """RANSAC on both cameras and refinement; None when fewer than `least` agree."""
+        seen = self.scene.sightings(features, chosen, ids)
+        rng = stream(self.seed, "gaze-sfm", str(len(self.tracks)))
+        start = pose.ransac(self.rig, seen, self.p.tracking, rng)
+        if start is None:
+            return None
+        found = pose.refine(self.rig, start, seen, cut=self.p.tracking.error)
+        if len(np.unique(ids[found.inliers])) < least:
+            return None
+        return found, chosen[found.inliers], ids[found.inliers]
+
+    def _recognised(self, features: Features, vector: np.ndarray):
         """From past frames that look alike, by RANSAC on both cameras."""
         alike = self.album.similar(vector, self.p.tracking.similar)
         positions = sorted({*alike, len(self.scene.frames) - 1})
@@ -122,28 +131,19 @@ class Tracker:
         chosen, ids = _described(features, self.scene.descriptors[around], around, self.scene.points)
         if len(ids) < self.p.tracking.least:
             return None
-        seen = self.scene.sightings(features, chosen, ids)
-        rng = stream(self.seed, "gaze-sfm", str(number))
-        start = pose.ransac(self.rig, seen, self.p.tracking, rng)
-        if start is None:
-            return None
-        cut = self.p.tracking.error
-        first = pose.refine(self.rig, start, seen, cut=cut)
-        if len(np.unique(ids[first.inliers])) < self.p.tracking.least // 2:
-            return None
-        return first, chosen[first.inliers], ids[first.inliers]
+        return self._agreed(features, chosen, ids, self.p.tracking.least // 2)
 
     def _completed(self, features: Features, first: pose.Pose, chosen: np.ndarray, ids: np.ndarray):
         """Look for all points around with the pose known, and refine once more."""
         positions = self.scene.covisible(ids, NEIGHBOURS)
         around = self.scene.points_of(positions)
-        chosen, ids = self._guided(features, first.rig_from_world, around, CLOSE, 0.9)
-        if len(ids) < self.p.tracking.least:
-            return first, chosen[:0], ids[:0]
-        cut = self.p.tracking.error
-        seen = self.scene.sightings(features, chosen, ids)
-        final = pose.refine(self.rig, first.rig_from_world, seen, cut=cut)
-        return final, chosen[final.inliers], ids[final.inliers]
+        best, cut = first, self.p.tracking.error
+        for radius in CLOSE:
+            chosen, ids = self._guided(features, best.rig_from_world, around, radius, 0.9)
+            if len(ids) < self.p.tracking.least:
+                return first, chosen[:0], ids[:0]
+            best = pose.refine(self.rig, best.rig_from_world, self.scene.sightings(features, chosen, ids), cut=cut)
+        return best, chosen[best.inliers], ids[best.inliers]
 
     def _guided(self, features: Features, guess: np.ndarray, around: np.ndarray, radius: float, ratio: float):
         """Features (m,) and the map points (m,) found near where the pose puts them, one to one."""
