@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError
-from ipcli.io import layout
+from ipcli.io.files import text as layout
 from ipcli.io.gaze import pictures, trajectories
 from ipcli.measurements.recording import Camera, Recording
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError
-from ipcli.io import layout
-from ipcli.io.images import read_image
+from ipcli.io.files import text as layout
+from ipcli.io.files.images import read_image
 from ipcli.measurements.recording import Camera, Frame
 
 GREY = np.array([0.299, 0.587, 0.114])

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError
-from ipcli.io import layout
+from ipcli.io.files import text as layout
 
 UNIT = 0.01  # how far a quaternion's length may be from 1
 

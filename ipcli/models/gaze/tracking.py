@@ -20,6 +20,7 @@ from ipcli.rng import stream
 WIDE = 0.08  # of the picture's width: how far from where it is expected a point is looked for with a predicted pose
 CLOSE = (15.0, 5.0)  # pixels, with a pose that is found, first and then
 STEADY = 0.5  # share of the points found by prediction that must fit for the prediction to be trusted
+PLENTY = 0.35  # share of the stereo points that a prediction must explain, else past frames are looked through as well
 NEIGHBOURS = 10  # frames whose points are looked for once the pose is roughly known
 
 
@@ -70,15 +71,16 @@ class Tracker:
             return _lost(number, "picture too dark or without texture")
         if not self.scene.frames:
             return self._first(number, features)
-        found = self._predicted(features)
-        how = "predicted"
-        vector = None
-        if found is None:
-            vector, how = self.album.vector(features.descriptors), "recognised"
-            found = self._recognised(features, vector)
-        if found is None:
+        how, vector = "predicted", None
+        best = self._predicted(features)
+        if best is None or len(best[2]) < PLENTY * max(np.isfinite(features.points[:, 0]).sum(), 1):
+            vector = self.album.vector(features.descriptors)
+            other = self._recognised(features, vector)
+            if other is not None and (best is None or len(other[2]) > len(best[2])):
+                best, how = other, "recognised"
+        if best is None:
             return _lost(number, "no past frame explains it")
-        estimate, chosen, ids = self._completed(features, *found)
+        estimate, chosen, ids = best
         if len(np.unique(ids)) < self.p.tracking.least:
             return _lost(number, f"its pose rests on {len(np.unique(ids))} points only")
         track = _track(number, estimate, features, chosen, ids, how)
@@ -109,7 +111,9 @@ class Tracker:
         chosen, ids = self._guided(features, guess, around, WIDE * self.rig.sizes[0, 0], 0.8)
         if len(ids) < 2 * self.p.tracking.least:
             return None
-        return self._agreed(features, chosen, ids, max(2 * self.p.tracking.least, STEADY * len(ids)))
+        return self._completed(
+            features, self._agreed(features, chosen, ids, max(2 * self.p.tracking.least, STEADY * len(ids)))
+        )
 
     def _agreed(self, features: Features, chosen: np.ndarray, ids: np.ndarray, least: float):
         """RANSAC on both cameras and refinement; None when fewer than `least` agree."""
@@ -131,18 +135,20 @@ class Tracker:
         chosen, ids = _described(features, self.scene.descriptors[around], around, self.scene.points)
         if len(ids) < self.p.tracking.least:
             return None
-        return self._agreed(features, chosen, ids, self.p.tracking.least // 2)
+        return self._completed(features, self._agreed(features, chosen, ids, self.p.tracking.least // 2))
 
-    def _completed(self, features: Features, first: pose.Pose, chosen: np.ndarray, ids: np.ndarray):
-        """Look for all points around with the pose known, and refine once more."""
-        positions = self.scene.covisible(ids, NEIGHBOURS)
-        around = self.scene.points_of(positions)
-        best, cut = first, self.p.tracking.error
+    def _completed(self, features: Features, found):
+        """Look for all points around with the pose known, and refine; None stays None."""
+        if found is None:
+            return None
+        best, _, ids = found
+        around = self.scene.points_of(self.scene.covisible(ids, NEIGHBOURS))
         for radius in CLOSE:
             chosen, ids = self._guided(features, best.rig_from_world, around, radius, 0.9)
             if len(ids) < self.p.tracking.least:
-                return first, chosen[:0], ids[:0]
-            best = pose.refine(self.rig, best.rig_from_world, self.scene.sightings(features, chosen, ids), cut=cut)
+                return None
+            seen = self.scene.sightings(features, chosen, ids)
+            best = pose.refine(self.rig, best.rig_from_world, seen, cut=self.p.tracking.error)
         return best, chosen[best.inliers], ids[best.inliers]
 
     def _guided(self, features: Features, guess: np.ndarray, around: np.ndarray, radius: float, ratio: float):
