@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipcli import threads
 from ipcli.geometry.rig import Rig
-from ipcli.kernels import matching, threads
+from ipcli.kernels import matching
 from ipcli.models.gaze.parameters import Detection
 
 WORST = 80000  # largest squared distance of two matching descriptors (262144 = 1)

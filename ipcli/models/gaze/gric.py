@@ -111,10 +111,7 @@ def change(found: Motion, before: np.ndarray, now: np.ndarray, rule: str = "samp
     return float(np.sqrt(sampson_homography(found.homography, a, b)[0]) * np.sqrt(2.0))
 
 
-def wants_keyframe(changes: list[float], apart: float, since: int, flow: float, tau: float, p: Keyframes) -> bool:
-    """Whether a new subsequence begins: the gaze changed for some samples, PORs parted, or time passed while moving."""
-    recent = changes[-p.samples :]
-    changed = len(recent) == p.samples and all(value > tau for value in recent)
-    parted = apart > p.apart
-    late = since >= p.longest and flow > tau
-    return changed or parted or late
+def wants_keyframe(changed: list[bool], late: bool, p: Keyframes) -> bool:
+    """Whether a new subsequence begins: the gaze changed for some frames running, or time passed while moving."""
+    recent = changed[-p.samples :]
+    return late or (len(recent) == p.samples and all(recent))

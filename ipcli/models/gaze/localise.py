@@ -14,11 +14,11 @@ from ipcli.models.gaze.adjustment import Offset
 from ipcli.models.gaze.parameters import Localisation
 from ipcli.models.gaze.scene_map import NONE, SceneMap
 from ipcli.models.gaze.tracking import Track, Tracker
+from ipcli.progress import Progress, silent
 from ipcli.rng import stream
 
 SAMPLED = 8  # frames whose descriptors the words of the album are learnt from
 
-Tell = Callable[[float, str], None]
 Look = Callable[[int, Frame, features.Features, Track], None]
 
 
@@ -47,7 +47,7 @@ def rig_of(recording: Recording) -> Rig:
 
 
 def localise(
-    recording: Recording, p: Localisation, seed: int, tell: Tell = lambda share, what: None, look: Look | None = None
+    recording: Recording, p: Localisation, seed: int, tell: Progress = silent, look: Look | None = None
 ) -> Path:
     """Poses of all frames. `look` sees every frame once, with its features and its track, while it is in memory."""
     rig = rig_of(recording)
@@ -57,7 +57,7 @@ def localise(
     return _settle(path, p, tell)
 
 
-def _pass(recording: Recording, rig: Rig, p: Localisation, seed: int, tell: Tell, look: Look | None) -> Path:
+def _pass(recording: Recording, rig: Rig, p: Localisation, seed: int, tell: Progress, look: Look | None) -> Path:
     tracker = Tracker(rig, album_of(recording, rig, p, seed), p, seed)
     count = len(recording.names)
     online = np.full((count, 4, 4), np.nan)
@@ -81,7 +81,7 @@ def album_of(recording: Recording, rig: Rig, p: Localisation, seed: int) -> retr
     )
 
 
-def _settle(path: Path, p: Localisation, tell: Tell) -> Path:
+def _settle(path: Path, p: Localisation, tell: Progress) -> Path:
     """The global adjustment, with the offset of the right camera where it is proven, and all frames after it."""
     scene, rig = path.scene, path.rig
     tell(0.9, "adjusting everything")

@@ -53,9 +53,8 @@ class Keyframes:
     )  # fmt: skip
     sigma: float = option(0.7, "Standard deviation of a feature's place, for GRIC.", low=0.01, unit="px")
     tau: float = option(3.0, "Change of gaze that starts a new one, in sigmas of the gaze.", low=0.1)
-    apart: float = option(0.5, "... or PORs that part by more than this.", low=0.0, unit="m")
     samples: int = option(2, "... seen in so many frames one after the other.", low=1)
-    longest: int = option(15, "Longest subsequence, where the head moves.", low=2, unit="frames")
+    longest: int = option(15, "Longest subsequence without gaze, where the head moves.", low=2, unit="frames")
 
 
 @dataclass(frozen=True)
