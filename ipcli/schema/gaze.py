@@ -105,6 +105,21 @@ EXPERIMENT = Kind(
         Field("truth", "float64", ("k", 4, 4), "m", "True world_from_rig; NaN unknown", True, KNOWN),
         Field("targets", "float64", ("a", 3), "m", "True places that were looked at, in the truth's frame", True, FINITE),
         Field("target_names", "str", ("a",), "", "Their names", True),
+        Field("subsequences/frames", "int64", ("s", 2), "1", "First frame and the one after the last", domain=COUNT),
+        Field("subsequences/regards", "int64", ("s",), "1", "Points of regard in each", domain=COUNT),
+        Field("subsequences/points", "float64", ("s", 3), "m", "Median of its points of regard", domain=KNOWN),
+        Field("subsequences/extent", "float64", ("s",), "m", "Root mean square distance from it", domain=KNOWN),
+        Field(
+            "accuracy/path", "float64", (4,), "m, m, 1, m",
+            "Against the truth: path, path with scale, that scale, path as known online", True, KNOWN,
+        ),
+        Field("accuracy/labels", "str", ("g",), "", "What was looked at", True),
+        Field("accuracy/regards", "int64", ("g",), "1", "Points of regard there", True, COUNT),
+        Field("accuracy/dwell", "float64", ("g",), "s", "Time of gaze on it", True, KNOWN),
+        Field(
+            "accuracy/rms", "float64", ("g",), "m", "Distance from the true place, root mean square", True, KNOWN
+        ),
+        Field("accuracy/inside", "float64", ("g", 2), "1", "Share of truth in the 68 and 95 % regions", True, KNOWN),
         Field("notes", "str", ("o",), "", "What was left out or is doubtful, and why"),
         Field("source", "str", (), "", "Layout of the recording"),
     ),

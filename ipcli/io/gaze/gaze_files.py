@@ -237,3 +237,15 @@ def on_clock(gaze: Gaze, times: np.ndarray, shift: float, path: Path) -> Gaze:
             fix=f"Give --gaze-shift: {times[0] - gaze.times[0]:.3f} lays both beginnings together",
         )  # fmt: skip
     return moved
+
+
+def read_targets(path: Path) -> tuple[tuple[str, ...], np.ndarray]:
+    """Names and places (t, 3) in metres of a table `name, x [m], y [m], z [m]`."""
+    columns = _columns(path)
+    axes = ("x [m]", "y [m]", "z [m]")
+    if "name" not in columns or not all(axis in columns and columns[axis].dtype.kind == "f" for axis in axes):
+        raise FormatError(path, "no table of targets", expected="name, x [m], y [m], z [m]", got=", ".join(columns))
+    places = np.stack([columns[axis] for axis in axes], axis=1)
+    if not np.isfinite(places).all():
+        raise FormatError(path, "a target has no place", expected="finite numbers")
+    return tuple(str(name) for name in columns["name"]), places

@@ -10,7 +10,7 @@ from ipcli.errors import NoSolution
 from ipcli.geometry import lie
 from ipcli.geometry.rig import Rig
 from ipcli.measurements.recording import Camera, Frame, Gaze, Recording
-from ipcli.models.gaze import attention, fixations, localise
+from ipcli.models.gaze import attention, evaluation, fixations, localise
 from ipcli.models.gaze.features import Features
 from ipcli.models.gaze.localise import Path
 from ipcli.models.gaze.parameters import Localisation
@@ -67,7 +67,8 @@ def experiment(recording: Recording, p: Localisation, seed: int, tell: Progress 
         arrays |= gaze_arrays(recording.gaze) | looked_at(path, recording.gaze, regards, p)
     pixels, points = attention.gaze_of_frames(path, recording, regards)
     split = attention.subsequences(path, pixels, points, p.keyframes, np.radians(p.looking.sigma))
-    return arrays | attended(split) | about(recording, path)
+    arrays |= attended(split) | about(recording, path)
+    return arrays | gathered(arrays) | judged(arrays)
 
 
 def head_path(recording: Recording, path: Path) -> Arrays:
@@ -235,3 +236,59 @@ def notes(recording: Recording, path: Path) -> list[str]:
     if abs(vertical) > 1.0:
         found.append(f"rows of the two cameras differ by {vertical:.2f} px: the calibration may be of another rig")
     return found
+
+
+def gathered(a: Arrays) -> Arrays:
+    """Coherent subsequences one by one: their frames and their points of regard."""
+    count = int(a["subsequence"].max()) + 1
+    table = {name: np.full(shape, np.nan) for name, shape in (("points", (count, 3)), ("extent", (count,)))}
+    spans, regards = np.zeros((count, 2), np.int64), np.zeros(count, np.int64)
+    for number in range(count):
+        frames = np.flatnonzero(a["subsequence"] == number)
+        spans[number] = frames[0], frames[-1] + 1
+        if "por/points" not in a:
+            continue
+        mine = (a["por/outcome"] == "hit") & np.isin(a["por/frame"], frames)
+        regards[number] = mine.sum()
+        if mine.any():
+            table["points"][number] = np.median(a["por/points"][mine], axis=0)
+            off = a["por/points"][mine] - table["points"][number]
+            table["extent"][number] = np.sqrt(np.square(off).sum(axis=1).mean())
+    found = {"frames": spans, "regards": regards, **table}
+    return {f"subsequences/{name}": value for name, value in found.items()}
+
+
+def judged(a: Arrays) -> Arrays:
+    """Errors against the truth, and for each label of the gaze the time on it and, with its place, the errors there."""
+    found: Arrays = {}
+    if "truth" in a:
+        errors = evaluation.path_errors(a["world_from_rig"], a["truth"], a["online"])
+        online = errors.online.rmse if errors.online else np.nan
+        found["accuracy/path"] = np.array([errors.rigid.rmse, errors.similar.rmse, errors.similar.scale, online])
+    if "gaze/labels" in a:
+        labels = [label for label in np.unique(a["gaze/labels"]) if label]
+        rows = [_at_label(a, label) for label in labels]
+        found |= {
+            "accuracy/labels": np.array(labels, dtype=np.str_).reshape(-1),
+            "accuracy/regards": np.array([row[0] for row in rows], np.int64),
+            "accuracy/dwell": np.array([row[1] for row in rows], np.float64),
+            "accuracy/rms": np.array([row[2] for row in rows], np.float64),
+            "accuracy/inside": np.array([row[3:] for row in rows], np.float64).reshape(-1, 2),
+        }
+    return found
+
+
+def _at_label(a: Arrays, label: str) -> tuple[int, float, float, float, float]:
+    """Points of regard, seconds, RMS error, shares of truth in the regions; NaN where the place is not known."""
+    mine = a["gaze/labels"] == label
+    hit = mine & (a["por/outcome"] == "hit")
+    dwell = float(mine.sum() * a["gaze_gap"])
+    known = label in a.get("target_names", ()) and "truth" in a
+    if not known or not hit.any():
+        return int(hit.sum()), dwell, np.nan, np.nan, np.nan
+    place = a["targets"][list(a["target_names"]).index(label)]
+    moved = evaluation.registration(a["world_from_rig"], a["truth"])
+    places = np.broadcast_to(place, (int(hit.sum()), 3))
+    errors, squares = evaluation.target_errors(a["por/points"][hit], a["por/covariance"][hit], places, moved)
+    inside = evaluation.coverage(squares)
+    return int(hit.sum()), dwell, float(np.sqrt(np.nanmean(errors**2))), inside[0.68], inside[0.95]

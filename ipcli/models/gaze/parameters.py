@@ -65,7 +65,7 @@ class Looking:
         1.0, "Error of the gaze: standard deviation along each axis.", flag="--gaze-sigma", low=0.01, unit="degrees"
     )
     disparities: int = option(96, "Longest search of the dense matching, a multiple of 16.", low=16, unit="px")
-    disparity_sigma: float = option(0.4, "Error of a dense disparity.", low=0.01, unit="px")
+    disparity_sigma: float = option(0.3, "Error of a dense disparity.", low=0.01, unit="px")
     farthest: float = option(40.0, "Farthest point of regard.", low=0.5, unit="m")
     fixation: float = option(1.7, "Most the gaze of one fixation spreads: the fovea.", low=0.1, unit="degrees")
     shortest: float = option(0.1, "Shortest fixation.", low=0.0, unit="s")

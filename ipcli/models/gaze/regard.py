@@ -69,7 +69,7 @@ def look(surface: Surface, origin: np.ndarray, direction: np.ndarray, p: Looking
     lengths = (1 / inverse - origin @ forward) / along  # along each ray
     middle = float(np.median(inverse[known]))
     agree = known & (np.abs(inverse / middle - 1) < AGREE)
-    own = inverse[0] if agree[0] else _plane(rays[agree], inverse[agree], rays[0])
+    own = _plane(rays[agree], inverse[agree], rays[0])
     length = (1 / own - origin @ forward) / along[0]
     if not 0 < length < p.farthest:
         return Regard(np.full(3, np.nan), np.full((3, 3), np.nan), FAR)

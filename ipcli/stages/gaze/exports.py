@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 PATH_COLOUR, RAY_COLOUR, POR_COLOUR = (40, 90, 220), (240, 170, 40), (220, 40, 40)
 RAY_POINTS = 24  # along each gaze ray of the PLY
 RAYS = 400  # most rays drawn
+MOST = 20_000  # points of the map on the page to be turned
 
 
 def beside(output: Path, *, has_gaze: bool) -> dict[Path, Beside]:
@@ -24,6 +25,7 @@ def beside(output: Path, *, has_gaze: bool) -> dict[Path, Beside]:
     files: dict[Path, Beside] = {
         output.with_suffix(".tum"): write_tum,
         output.with_suffix(".ply"): write_ply,
+        output.with_suffix(".turn.html"): write_turnable,
         output.with_suffix(".cameras.txt"): colmap_model.write_cameras,
         output.with_suffix(".images.txt"): colmap_model.write_images,
         output.with_suffix(".points3D.txt"): colmap_model.write_points,
@@ -91,3 +93,30 @@ def write_ply(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, 
 
 def _painted(points: np.ndarray, colour: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
     return points, np.tile(np.array(colour, np.uint8), (len(points), 1))
+
+
+def write_turnable(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """A page with the map, the path and the points of regard to be turned; everything it needs is inside."""
+    import trimesh
+    from trimesh.viewer import scene_to_html
+
+    points = a["map/points"]
+    chosen = np.flatnonzero(a["map/seen"] > 1)
+    chosen = chosen[:: max(1, len(chosen) // MOST)]
+    far = np.linalg.norm(points[chosen] - np.median(points[chosen], axis=0), axis=1) if len(chosen) else np.empty(0)
+    chosen = chosen[far <= np.percentile(far, 97)] if len(chosen) else chosen
+    grey = np.repeat(a["map/grey"][chosen, None], 3, axis=1)
+    known = np.isfinite(a["world_from_rig"]).all(axis=(1, 2))
+    parts = [(points[chosen], grey), _painted(_dense(a["world_from_rig"][known, :3, 3]), PATH_COLOUR)]
+    if "por/points" in a:
+        parts.append(_painted(a["por/points"][a["por/outcome"] == "hit"], POR_COLOUR))
+    upright = np.diag([1.0, -1.0, -1.0])  # y up, as viewers have it
+    places = np.concatenate([part for part, _ in parts]) @ upright
+    cloud = trimesh.PointCloud(places, np.concatenate([colours for _, colours in parts]))
+    atomic.write_text(path, scene_to_html(trimesh.Scene([cloud])))
+
+
+def _dense(path: np.ndarray, times: int = 12) -> np.ndarray:
+    """Points along a path between its corners."""
+    share = np.linspace(0, 1, times, endpoint=False)[:, None, None]
+    return np.concatenate([((1 - share) * path[:-1] + share * path[1:]).reshape(-1, 3), path[-1:]])

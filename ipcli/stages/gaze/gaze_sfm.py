@@ -43,5 +43,5 @@ def summary(output: Path) -> dict[str, object]:
     from ipcli.io.files import h5
     from ipcli.models.gaze.evaluation import summary as figures
 
-    wanted = ("world_from_rig", "lost", "keyframe", "offset", "truth", "por/outcome", "por/covariance", "times", "in_map")
+    wanted = ("world_from_rig", "lost", "keyframe", "offset", "truth", "por/outcome", "por/covariance", "in_map")
     return {"output": str(output)} | figures(h5.read(output, "gaze-experiment", only=lambda name: name in wanted).arrays)

@@ -38,7 +38,7 @@ def open_source(path: Path, source: Source) -> Recording:
     found = layouts.open_recording(
         path, source.format, intrinsics=source.intrinsics, depth_scale=source.depth_scale
     )
-    found = _with_gaze(found, source)
+    found = _with_targets(_with_gaze(found, source, path), path)
     if (source.start, source.stop, source.step) != (0, 0, 1):
         found = window(found, source.start, source.stop, source.step)
     if not found.names:
@@ -46,11 +46,16 @@ def open_source(path: Path, source: Source) -> Recording:
     return found
 
 
-def _with_gaze(found: Recording, source: Source) -> Recording:
+def _with_gaze(found: Recording, source: Source, beside: Path) -> Recording:
+    """Gaze of --gaze, else the recording's own, else of a gaze.csv in its folder."""
     from ipcli.io.gaze import gaze_files
 
+    own = beside / "gaze.csv"
     if source.gaze is None:
-        return found
+        if found.gaze is not None or not own.is_file():
+            return found
+        source = replace(source, gaze=str(own))
+    assert source.gaze is not None
     if source.gaze_size is not None and len(source.gaze_size) != 2:
         raise ParameterError("--gaze-size: expected W,H, two numbers")
     path, camera = Path(source.gaze), found.cameras[0].size
@@ -60,3 +65,14 @@ def _with_gaze(found: Recording, source: Source) -> Recording:
     pixels = (gaze.pixels + 0.5) * scale - 0.5
     files = (path,) if path.is_file() else tuple(sorted(p for p in path.rglob("*") if p.is_file()))
     return replace(found, gaze=replace(gaze, pixels=pixels), files=(*found.files, *files))
+
+
+def _with_targets(found: Recording, folder: Path) -> Recording:
+    """Places of what was looked at, from a targets.csv in the folder: name, x, y, z in the frame of the truth."""
+    from ipcli.io.gaze import gaze_files
+
+    path = folder / "targets.csv"
+    if found.targets is not None or not path.is_file():
+        return found
+    names, places = gaze_files.read_targets(path)
+    return replace(found, targets=places, target_names=names, files=(*found.files, path))
