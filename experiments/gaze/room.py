@@ -111,7 +111,9 @@ def _head(rng, switches: np.ndarray, order: np.ndarray, end: float, still: bool)
 
     def pose(time: float) -> np.ndarray:
         t = 0.0 if still else time
-        centre = np.array([0.6 * np.sin(0.5 * t + phase), 0.05 * np.sin(5.0 * t), -0.4 + 0.4 * np.sin(0.31 * t + phase)])
+        centre = np.array(
+            [0.6 * np.sin(0.5 * t + phase), 0.05 * np.sin(5.0 * t), -0.4 + 0.4 * np.sin(0.31 * t + phase)]
+        )
         aim = TARGETS[order[0]] if still else np.array([np.interp(time, grid, smooth[:, axis]) for axis in range(3)])
         ahead = np.array([0.0, 0.0, 2.5])
         direction = 0.75 * (aim - centre) / np.linalg.norm(aim - centre) + 0.25 * ahead / np.linalg.norm(ahead)
@@ -250,7 +252,9 @@ def _write_picture(stem: Path, image: np.ndarray, jpeg: int | None) -> None:
         return
     import cv2
 
-    atomic.write_bytes(stem.with_suffix(".jpg"), cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, jpeg])[1].tobytes())
+    atomic.write_bytes(
+        stem.with_suffix(".jpg"), cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, jpeg])[1].tobytes()
+    )
 
 
 def _write_sensor(path: Path, camera: Camera) -> None:

@@ -49,7 +49,9 @@ class Rig:
         """Pixels in the picture of undistorted ones (n, 2)."""
         k = self.intrinsics[camera]
         moved = pixels + (np.array([self.offset, 0.0]) if camera == 1 else 0.0)
-        return lens.pixels_of(lens.distort(self.models[camera], self.distortions[camera], lens.normalised_of(moved, k)), k)
+        return lens.pixels_of(
+            lens.distort(self.models[camera], self.distortions[camera], lens.normalised_of(moved, k)), k
+        )
 
     def rays(self, camera: int, undistorted: np.ndarray) -> np.ndarray:
         """Directions (n, 3) in the camera's frame, z = 1, of undistorted pixels."""

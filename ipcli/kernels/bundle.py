@@ -83,6 +83,68 @@ def _inverse3(a, out):
 
 
 @njit(cache=True)
+def _add_frame(matrix, vector, block, column, weight, by_point, by_frame, error):
+    """One observation's share of its frame's gradient, Hessian block and cross block (6, 3)."""
+    for row in range(2):
+        for a in range(6):
+            vector[6 * column + a] -= weight * by_frame[row, a] * error[row]
+            for b in range(a, 6):
+                matrix[6 * column + a, 6 * column + b] += weight * by_frame[row, a] * by_frame[row, b]
+            for b in range(3):
+                block[a, b] += weight * by_frame[row, a] * by_point[row, b]
+
+
+@njit(cache=True)
+def _add_offset(matrix, vector, by_offset, column, weight, scale, by_point, by_frame, error):
+    """The same of the offset, which moves u of camera 1 alone."""
+    last = len(vector) - 1
+    vector[last] -= weight * scale * error[0]
+    matrix[last, last] += weight * scale * scale
+    for b in range(3):
+        by_offset[b] += weight * scale * by_point[0, b]
+    if column >= 0:
+        for a in range(6):
+            matrix[6 * column + a, last] += weight * scale * by_frame[0, a]
+
+
+@njit(cache=True)
+def _eliminate(matrix, vector, inverse, gradient, blocks, block_columns, by_offset, with_offset, product):
+    """Take one point out of the system: subtract W V^-1 W^T for all pairs of its frames, and for the offset."""
+    last = len(vector) - 1
+    for i in range(len(blocks)):
+        column = block_columns[i]
+        if column < 0:
+            continue
+        for a in range(6):
+            for b in range(3):
+                product[a, b] = 0.0
+                for c in range(3):
+                    product[a, b] += blocks[i, a, c] * inverse[c, b]
+        for a in range(6):
+            for b in range(3):
+                vector[6 * column + a] -= product[a, b] * gradient[b]
+                if with_offset:
+                    matrix[6 * column + a, last] -= product[a, b] * by_offset[b]
+        for j in range(len(blocks)):
+            other = block_columns[j]
+            if other < column:
+                continue
+            for a in range(6):
+                for b in range(6):
+                    matrix[6 * column + a, 6 * other + b] -= (
+                        product[a, 0] * blocks[j, b, 0]
+                        + product[a, 1] * blocks[j, b, 1]
+                        + product[a, 2] * blocks[j, b, 2]
+                    )
+    if with_offset:
+        for a in range(3):
+            for b in range(3):
+                share = by_offset[a] * inverse[a, b]
+                vector[last] -= share * gradient[b]
+                matrix[last, last] -= share * by_offset[b]
+
+
+@njit(cache=True)
 def reduced_system(
     rotations, translations, cam_rotations, cam_translations, intrinsics, offset, points, seen, pixels, scales, starts,
     columns, loss, damping, with_offset, matrix, vector, point_inverse, point_gradient, blocks, block_columns, by_offset,
@@ -95,8 +157,7 @@ def reduced_system(
     its frame (in the first observation of a frame; column -1 elsewhere). Returns the robust cost.
     """
     cost = 0.0
-    last = len(vector) - 1
-    in_rig, in_cam = np.empty(3), np.empty(3)
+    in_rig, in_cam, error = np.empty(3), np.empty(3), np.empty(2)
     by_point, by_frame = np.empty((2, 3)), np.empty((2, 6))
     hessian, product = np.empty((3, 3)), np.empty((6, 3))
     for p in range(len(points)):
@@ -117,35 +178,21 @@ def reduced_system(
             )  # fmt: skip
             if np.isnan(u):
                 continue
-            error = (
-                (u + (offset if c == 1 else 0.0) - pixels[i, 0]) * scales[i],
-                (v - pixels[i, 1]) * scales[i],
-            )
+            error[0] = (u + (offset if c == 1 else 0.0) - pixels[i, 0]) * scales[i]
+            error[1] = (v - pixels[i, 1]) * scales[i]
             square = (error[0] ** 2 + error[1] ** 2) / (loss * loss)
             cost += 0.5 * loss * loss * np.log1p(square)
             weight = 1.0 / (1.0 + square)
             _jacobians(rotations[f], cam_rotations[c], intrinsics[c], in_rig, in_cam, scales[i], by_point, by_frame)
-            column = columns[f]
             for row in range(2):
                 for a in range(3):
                     point_gradient[p, a] -= weight * by_point[row, a] * error[row]
                     for b in range(3):
                         hessian[a, b] += weight * by_point[row, a] * by_point[row, b]
-                if column >= 0:
-                    for a in range(6):
-                        vector[6 * column + a] -= weight * by_frame[row, a] * error[row]
-                        for b in range(a, 6):
-                            matrix[6 * column + a, 6 * column + b] += weight * by_frame[row, a] * by_frame[row, b]
-                        for b in range(3):
-                            blocks[first, a, b] += weight * by_frame[row, a] * by_point[row, b]
+            if columns[f] >= 0:
+                _add_frame(matrix, vector, blocks[first], columns[f], weight, by_point, by_frame, error)
             if with_offset and c == 1:
-                vector[last] -= weight * scales[i] * error[0]
-                matrix[last, last] += weight * scales[i] * scales[i]
-                for b in range(3):
-                    by_offset[p, b] += weight * scales[i] * by_point[0, b]
-                if column >= 0:
-                    for a in range(6):
-                        matrix[6 * column + a, last] += weight * scales[i] * by_frame[0, a]
+                _add_offset(matrix, vector, by_offset[p], columns[f], weight, scales[i], by_point, by_frame, error)
         for a in range(3):
             hessian[a, a] *= 1.0 + damping
         if not _inverse3(hessian, point_inverse[p]):
@@ -153,41 +200,11 @@ def reduced_system(
     for k in range(len(vector)):
         matrix[k, k] *= 1.0 + damping
     for p in range(len(points)):
-        for i in range(starts[p], starts[p + 1]):
-            a_column = block_columns[i]
-            if a_column < 0:
-                continue
-            for a in range(6):
-                for b in range(3):
-                    product[a, b] = (
-                        blocks[i, a, 0] * point_inverse[p, 0, b]
-                        + blocks[i, a, 1] * point_inverse[p, 1, b]
-                        + blocks[i, a, 2] * point_inverse[p, 2, b]
-                    )
-            for a in range(6):
-                row = 6 * a_column + a
-                for b in range(3):
-                    vector[row] -= product[a, b] * point_gradient[p, b]
-                if with_offset:
-                    for b in range(3):
-                        matrix[row, last] -= product[a, b] * by_offset[p, b]
-            for j in range(starts[p], starts[p + 1]):
-                b_column = block_columns[j]
-                if b_column < a_column:
-                    continue
-                for a in range(6):
-                    for b in range(6):
-                        matrix[6 * a_column + a, 6 * b_column + b] -= (
-                            product[a, 0] * blocks[j, b, 0]
-                            + product[a, 1] * blocks[j, b, 1]
-                            + product[a, 2] * blocks[j, b, 2]
-                        )
-        if with_offset:
-            for a in range(3):
-                for b in range(3):
-                    share = by_offset[p, a] * point_inverse[p, a, b]
-                    vector[last] -= share * point_gradient[p, b]
-                    matrix[last, last] -= share * by_offset[p, b]
+        part = slice(starts[p], starts[p + 1])
+        _eliminate(
+            matrix, vector, point_inverse[p], point_gradient[p], blocks[part], block_columns[part], by_offset[p],
+            with_offset, product,
+        )  # fmt: skip
     return cost
 
 

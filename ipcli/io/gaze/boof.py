@@ -50,7 +50,9 @@ def _cameras(path: Path) -> tuple[Camera, ...]:
     try:
         root = ElementTree.fromstring(text)
         values = [{key: float(root.findtext(f"{side}/{key}", "")) for key in KEYS} for side in ("left", "right")]
-        radial = [[float(node.text or "") for node in root.findall(f"{side}/radial/double")] for side in ("left", "right")]
+        radial = [
+            [float(node.text or "") for node in root.findall(f"{side}/radial/double")] for side in ("left", "right")
+        ]
         turn = np.array([float(node.text or "") for node in root.findall("rightToLeft/r/data/double")]).reshape(3, 3)
         move = np.array([float(root.findtext(f"rightToLeft/t/{axis}", "")) for axis in "xyz"])
     except (ElementTree.ParseError, ValueError) as error:
@@ -64,9 +66,7 @@ def _cameras(path: Path) -> tuple[Camera, ...]:
         size = (int(value["width"]), int(value["height"]))
         lens = np.array([*coefficients, 0.0, 0.0, 0.0][:2] + [0.0, 0.0])
         focal = [value[key] for key in ("fx", "fy", "cx", "cy")]
-        found.append(
-            pictures.camera_of(path, focal, size, model="radtan", distortion=lens, cam_from_rig=pose)
-        )
+        found.append(pictures.camera_of(path, focal, size, model="radtan", distortion=lens, cam_from_rig=pose))
     return tuple(found)
 
 

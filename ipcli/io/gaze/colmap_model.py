@@ -60,7 +60,9 @@ def write_images(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[st
         lines.append(f"{image} {numbers} {camera + 1} {SIDES[camera]}/{a['names'][frame]}")
         mine = rows.get((int(frame), camera), ())
         pixels = a["map/pixels"]
-        lines.append(" ".join(f"{pixels[m, 0] + 0.5:.4f} {pixels[m, 1] + 0.5:.4f} {a['map/sightings'][m, 2] + 1}" for m in mine))
+        lines.append(
+            " ".join(f"{pixels[m, 0] + 0.5:.4f} {pixels[m, 1] + 0.5:.4f} {a['map/sightings'][m, 2] + 1}" for m in mine)
+        )
     atomic.write_text(path, "\n".join(lines) + "\n")
 
 

@@ -110,9 +110,7 @@ def _read_sensor(path: Path) -> tuple[Camera, np.ndarray]:
     if model is None:
         raise FormatError(path, "unknown lens", expected=", ".join(MODELS), got=named[1] if named else None)
     coefficients = np.array(values("distortion_coefficients", (4, 5, 8))) if model != "pinhole" else np.zeros(0)
-    camera = pictures.camera_of(
-        path, values("intrinsics", (4,)), (width, height), model=model, distortion=coefficients
-    )
+    camera = pictures.camera_of(path, values("intrinsics", (4,)), (width, height), model=model, distortion=coefficients)
     return camera, pose
 
 

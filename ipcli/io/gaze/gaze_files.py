@@ -62,7 +62,9 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
         text = text[: text.rfind("\n") + 1]  # a last line without an end may be cut in its last number
     lines = text.lstrip("\ufeff").splitlines()
     if len(lines) < 2:
-        raise FormatError(path, "no gaze samples", expected="a line of names and one a sample", got=f"{len(lines)} lines")
+        raise FormatError(
+            path, "no gaze samples", expected="a line of names and one a sample", got=f"{len(lines)} lines"
+        )
     comma = max(",\t;", key=lines[0].count)
     try:
         rows = [row for row in csv.reader(lines, delimiter=comma) if row]
@@ -98,7 +100,11 @@ def _cloud(path: Path, c: Columns, size) -> Gaze:
     """Pupil Cloud: pixels of the distorted scene video, UTC nanoseconds; elevation is up."""
     pixels = np.stack([c["gaze x [px]"], c["gaze y [px]"]], axis=1).astype(np.float64)
     worn = np.nan_to_num(c["worn"], nan=1.0) > 0.5 if "worn" in c else np.ones(len(pixels), bool)
-    blink = np.isfinite(c["blink id"]) if "blink id" in c and c["blink id"].dtype.kind == "f" else np.zeros(len(pixels), bool)
+    blink = (
+        np.isfinite(c["blink id"])
+        if "blink id" in c and c["blink id"].dtype.kind == "f"
+        else np.zeros(len(pixels), bool)
+    )
     return _gaze(c["timestamp [ns]"] * 1e-9, pixels, worn & ~blink)
 
 

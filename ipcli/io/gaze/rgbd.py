@@ -33,9 +33,7 @@ def is_seven_scenes(folder: Path) -> bool:
     return folder.is_dir() and any(folder.glob("frame-*.depth.png"))
 
 
-def open_tum(
-    folder: Path, *, intrinsics: Sequence[float] | None = None, depth_scale: float = TUM_SCALE
-) -> Recording:
+def open_tum(folder: Path, *, intrinsics: Sequence[float] | None = None, depth_scale: float = TUM_SCALE) -> Recording:
     """A TUM recording; it does not hold its calibration: give fx,fy,cx,cy."""
     if intrinsics is None:
         raise ParameterError(f"{folder}: a TUM recording does not say its calibration: give --intrinsics fx,fy,cx,cy")

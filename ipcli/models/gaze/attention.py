@@ -33,7 +33,11 @@ class Regards:
 
 
 def regards_of(
-    path: Path, recording: Recording, p: Looking, tell: Progress = silent, keep: Callable[[int, Surface], None] | None = None
+    path: Path,
+    recording: Recording,
+    p: Looking,
+    tell: Progress = silent,
+    keep: Callable[[int, Surface], None] | None = None,
 ) -> Regards:
     """Points of regard of all samples. `keep` is shown the surface of each frame that has any."""
     gaze = recording.gaze
@@ -115,7 +119,9 @@ class _Open:
     changed: list[bool] = field(default_factory=list)
 
 
-def subsequences(path: Path, gaze_pixels: np.ndarray, frame_regards: np.ndarray, p: Keyframes, sigma: float) -> Subsequences:
+def subsequences(
+    path: Path, gaze_pixels: np.ndarray, frame_regards: np.ndarray, p: Keyframes, sigma: float
+) -> Subsequences:
     """Split the frames where attention turns (3.5)-(3.7).
 
     `gaze_pixels` (k, 2): undistorted pixels of the gaze in each frame; `frame_regards` (k, 3): its point of regard; NaN

@@ -82,7 +82,9 @@ class _System:
 
     def __init__(self, problem: Problem, rig: Rig, loss: float, free_offset: bool):
         self.problem, self.loss, self.free_offset = problem, loss, free_offset
-        self.rig = tuple(np.ascontiguousarray(part) for part in (rig.cam_from_rig[:, :3, :3], rig.cam_from_rig[:, :3, 3]))
+        self.rig = tuple(
+            np.ascontiguousarray(part) for part in (rig.cam_from_rig[:, :3, :3], rig.cam_from_rig[:, :3, 3])
+        )
         self.intrinsics = rig.flat_intrinsics()
         self.seen = np.ascontiguousarray(problem.seen, np.int64)
         self.pixels = np.ascontiguousarray(problem.pixels, np.float64)

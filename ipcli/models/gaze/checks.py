@@ -88,11 +88,17 @@ def _stereo(facts: dict[str, object], found: list[Pair]) -> list[str]:
     }
     words = []
     if swapped > 2 * max(matched, 5):
-        words.append("left and right are exchanged: points would lie behind the cameras; exchange pictures or calibration")
+        words.append(
+            "left and right are exchanged: points would lie behind the cameras; exchange pictures or calibration"
+        )
     elif matched < FEW:
-        words.append(f"only {int(matched)} features match between the cameras: is the calibration that of these pictures?")
+        words.append(
+            f"only {int(matched)} features match between the cameras: is the calibration that of these pictures?"
+        )
     if abs(vertical) > VERTICAL or spread > 2 * VERTICAL:
-        words.append(f"rows differ by {vertical:.2f} px (spread {spread:.2f}): the calibration is of another rig or time")
+        words.append(
+            f"rows differ by {vertical:.2f} px (spread {spread:.2f}): the calibration is of another rig or time"
+        )
     return words
 
 
@@ -113,7 +119,11 @@ def _gaze(facts: dict[str, object], recording: Recording) -> list[str]:
     }
     words = []
     if paired.mean() < 0.5:
-        words.append(f"{100 * paired.mean():.0f} % of the gaze has a frame of its time: check the clocks (--gaze-shift)")
+        words.append(
+            f"{100 * paired.mean():.0f} % of the gaze has a frame of its time: check the clocks (--gaze-shift)"
+        )
     if inside.mean() < 0.7:
-        words.append(f"{100 * (1 - inside.mean()):.0f} % of the gaze lies outside the picture: check --gaze-size and axes")
+        words.append(
+            f"{100 * (1 - inside.mean()):.0f} % of the gaze lies outside the picture: check --gaze-size and axes"
+        )
     return words

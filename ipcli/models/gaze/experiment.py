@@ -21,7 +21,9 @@ from ipcli.progress import Progress, silent
 PICTURES = 16  # frames kept to be shown
 WIDTH = 360  # pixels of those
 SHOWN = 15  # points of regard drawn in a frame, as the thesis has them
-COMMON = 0.5  # share of a gaze error that all samples of a fixation have in common (calibration), where none is measured
+COMMON = (
+    0.5  # share of a gaze error that all samples of a fixation have in common (calibration), where none is measured
+)
 
 Arrays = dict[str, np.ndarray]
 

@@ -22,9 +22,7 @@ def gric(squares: np.ndarray, sigma: float, shape: tuple[int, int], dimensions: 
     d, k = shape
     n = len(squares)
     cut = 2.0 * (dimensions - d)
-    return float(
-        np.minimum(squares / sigma**2, cut).sum() + n * d * np.log(dimensions) + k * np.log(dimensions * n)
-    )
+    return float(np.minimum(squares / sigma**2, cut).sum() + n * d * np.log(dimensions) + k * np.log(dimensions * n))
 
 
 def sampson_fundamental(f: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -138,9 +138,7 @@ def absolute_orientation(points: np.ndarray, seen: np.ndarray) -> np.ndarray:
     return pose
 
 
-def refine(
-    rig: Rig, pose: np.ndarray, seen: Sightings, *, cut: float, loss: float = 2.0, iterations: int = 12
-) -> Pose:
+def refine(rig: Rig, pose: np.ndarray, seen: Sightings, *, cut: float, loss: float = 2.0, iterations: int = 12) -> Pose:
     """Levenberg-Marquardt on SE(3) of (3.4) with a Cauchy loss (`loss` sigmas), then inliers within `cut` pixels.
 
     The covariance is that of the least squares of the inliers, scaled by their robust residual.

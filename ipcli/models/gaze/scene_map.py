@@ -42,7 +42,9 @@ class SceneMap:
         if need > len(self.points):
             room = max(need, 2 * len(self.points), 4096)
             self.points = np.resize(self.points, (room, 3)) if self.count else np.zeros((room, 3))
-            self.descriptors = np.resize(self.descriptors, (room, 128)) if self.count else np.zeros((room, 128), np.uint8)
+            self.descriptors = (
+                np.resize(self.descriptors, (room, 128)) if self.count else np.zeros((room, 128), np.uint8)
+            )
         ids = np.arange(self.count, need)
         self.points[ids], self.descriptors[ids] = points, descriptors
         self.observers += [[] for _ in ids]
@@ -111,9 +113,7 @@ class SceneMap:
 
     def sightings(self, features: Features, chosen: np.ndarray, ids: np.ndarray) -> Sightings:
         """Map points as these features of a frame see them."""
-        return Sightings(
-            self.points[ids], features.left[chosen], features.right[chosen], features.sigma[chosen]
-        )
+        return Sightings(self.points[ids], features.left[chosen], features.right[chosen], features.sigma[chosen])
 
     def problem(self, positions: Sequence[int], free: np.ndarray, ids: np.ndarray) -> Problem:
         """The bundle problem of these frames (in this order) and points."""

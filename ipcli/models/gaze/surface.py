@@ -85,7 +85,9 @@ class Matcher:
                 ideal = np.where(directions[..., 2:] > 0.05, directions[..., :2] / directions[..., 2:], np.nan)
             k = self.rig.intrinsics[camera]
             offset = np.array([self.rig.offset if camera == 1 else 0.0, 0.0])
-            drawn = lens.pixels_of(lens.distort(self.rig.models[camera], self.rig.distortions[camera], ideal), k) + offset
+            drawn = (
+                lens.pixels_of(lens.distort(self.rig.models[camera], self.rig.distortions[camera], ideal), k) + offset
+            )
             drawn = np.nan_to_num(drawn, nan=-1e4).astype(np.float32)
             found.append((drawn[..., 0].copy(), drawn[..., 1].copy()))
         return found

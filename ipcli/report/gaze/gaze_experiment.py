@@ -97,7 +97,11 @@ def _curves(a: Mapping[str, np.ndarray]) -> Markup:
     """Figure 3.6: both scores and their difference; the difference and delta; keyframes as dashed lines."""
     frame = np.arange(len(a["times"]), dtype=float)
     difference = a["gric_f"] - a["gric_h"]
-    scores = [Series("Γ(F)", frame, a["gric_f"]), Series("Γ(H)", frame, a["gric_h"]), Series("Γ(F) − Γ(H)", frame, difference)]
+    scores = [
+        Series("Γ(F)", frame, a["gric_f"]),
+        Series("Γ(H)", frame, a["gric_h"]),
+        Series("Γ(F) − Γ(H)", frame, difference),
+    ]
     turns = [Series("gaze from the subsequence's PORs, σ", frame, a["parted"]), Series("δ, px", frame, a["change"])]
     shown = [
         plot([*scores, _keys(a, scores)], "Motion models", "frame", "score"),
@@ -129,7 +133,9 @@ def _subsequences(a: Mapping[str, np.ndarray]) -> Markup:
         rows.append([f"{n}", f"{first}–{stop - 1}", number(seconds), f"{regards}", place, number(float(extent))])
     rest = [notice(f"{len(rows) - ROWS} more subsequences are in the artefact.")] if len(rows) > ROWS else []
     head = ["subsequence", "frames", "seconds", "points of regard", "median place x, y, z, m", "extent, m"]
-    return section("Coherent subsequences", table(head, rows[:ROWS]), *rest, lead="Runs of frames with one focus of attention.")
+    return section(
+        "Coherent subsequences", table(head, rows[:ROWS]), *rest, lead="Runs of frames with one focus of attention."
+    )
 
 
 def _tracking(a: Mapping[str, np.ndarray]) -> Markup:
@@ -166,7 +172,10 @@ def _lost(a: Mapping[str, np.ndarray]) -> list[Markup]:
     if "por/outcome" in a:
         names, counts = np.unique(a["por/outcome"], return_counts=True)
         parts.append(
-            table(["gaze sample", "number", "share"], [[n, f"{c}", percent(c / counts.sum())] for n, c in zip(names, counts, strict=True)])
+            table(
+                ["gaze sample", "number", "share"],
+                [[n, f"{c}", percent(c / counts.sum())] for n, c in zip(names, counts, strict=True)],
+            )
         )
     return [section("What was lost, and why", *parts)] if parts else []
 

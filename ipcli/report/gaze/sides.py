@@ -27,7 +27,10 @@ def from_the_side(a: Mapping[str, np.ndarray]) -> Markup:
 def _drawing(a: Mapping[str, np.ndarray], across: int, up: int, sign: float, caption: str, note: str) -> Markup:
     path = a["world_from_rig"][:, :3, 3]
     regards = a["por/points"][a["por/outcome"] == "hit"] if "por/points" in a else np.empty((0, 3))
-    flat = {name: _flat(points, across, up, sign) for name, points in (("map", a["map/points"]), ("path", path), ("por", regards))}
+    flat = {
+        name: _flat(points, across, up, sign)
+        for name, points in (("map", a["map/points"]), ("path", path), ("por", regards))
+    }
     known = flat["path"][np.isfinite(flat["path"]).all(axis=1)]
     bulk = np.concatenate([known, *(np.percentile(flat[n], (3, 97), axis=0) for n in ("map", "por") if len(flat[n]))])
     low, high = bulk.min(axis=0), bulk.max(axis=0)
@@ -65,7 +68,9 @@ def _line(places: np.ndarray) -> list[Markup]:
             words.append(f"{'L' if down else 'M'}{x:.1f} {y:.1f}")
         down = known
     start = places[np.isfinite(places).all(axis=1)][0]
-    ring = element("circle", cx=f"{start[0]:.1f}", cy=f"{start[1]:.1f}", r=5, fill="none", stroke="#2a5bd7", stroke_width=1.5)
+    ring = element(
+        "circle", cx=f"{start[0]:.1f}", cy=f"{start[1]:.1f}", r=5, fill="none", stroke="#2a5bd7", stroke_width=1.5
+    )
     return [element("path", d="".join(words), fill="none", stroke="#2a5bd7", stroke_width=1.8), ring]
 
 

@@ -58,7 +58,9 @@ def write_csv(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, 
         distance = float(np.linalg.norm(point - a["por/origins"][n]))
         sigma = float(np.sqrt(np.trace(covariance)))
         ray = a["por/directions"][n]
-        across = float(np.sqrt(max(np.trace(covariance) - ray @ covariance @ ray, 0.0) / 2)) if sigma == sigma else sigma
+        across = (
+            float(np.sqrt(max(np.trace(covariance) - ray @ covariance @ ray, 0.0) / 2)) if sigma == sigma else sigma
+        )
         values = (*point, sigma, np.degrees(np.arctan2(across, distance)), distance)
         pair = (frame, int(a["subsequence"][frame]) if frame >= 0 else -1, int(a["por/fixation"][n]))
         cells = [f"{time:.6f}", str(a["por/outcome"][n]), *map(_cell, values), *map(str, pair)]

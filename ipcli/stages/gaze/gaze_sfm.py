@@ -44,4 +44,6 @@ def summary(output: Path) -> dict[str, object]:
     from ipcli.models.gaze.evaluation import summary as figures
 
     wanted = ("world_from_rig", "lost", "keyframe", "offset", "truth", "por/outcome", "por/covariance", "in_map")
-    return {"output": str(output)} | figures(h5.read(output, "gaze-experiment", only=lambda name: name in wanted).arrays)
+    return {"output": str(output)} | figures(
+        h5.read(output, "gaze-experiment", only=lambda name: name in wanted).arrays
+    )

@@ -17,13 +17,17 @@ if TYPE_CHECKING:
 class Source:
     """Hints on the recording; None leaves the layout's own default."""
 
-    format: str = option("auto", "Layout: auto, recording, euroc, kitti, aria, boofcv, tum or 7scenes.", flag="--format")
+    format: str = option(
+        "auto", "Layout: auto, recording, euroc, kitti, aria, boofcv, tum or 7scenes.", flag="--format"
+    )
     gaze: str | None = option(None, "Gaze export, a file or its folder; beside or in place of its own.", flag="--gaze")
     gaze_shift: float = option(0.0, "Added to the times of the gaze.", flag="--gaze-shift", unit="s")
     gaze_size: tuple[int, ...] | None = option(
         None, "Width,height of the picture that the gaze was given for, if not the camera's.", flag="--gaze-size", low=1
     )
-    intrinsics: tuple[float, ...] | None = option(None, "fx,fy,cx,cy of an RGB-D camera.", flag="--intrinsics", unit="px")
+    intrinsics: tuple[float, ...] | None = option(
+        None, "fx,fy,cx,cy of an RGB-D camera.", flag="--intrinsics", unit="px"
+    )
     depth_scale: float | None = option(None, "Stored value of one metre of depth.", low=0.0)
     start: int = option(0, "First frame to take.", flag="--start", low=0)
     stop: int = option(0, "Frame to stop before; 0: the end.", flag="--stop", low=0)
@@ -35,9 +39,7 @@ def open_source(path: Path, source: Source) -> Recording:
     from ipcli.io.gaze import layouts
     from ipcli.measurements.recording import window
 
-    found = layouts.open_recording(
-        path, source.format, intrinsics=source.intrinsics, depth_scale=source.depth_scale
-    )
+    found = layouts.open_recording(path, source.format, intrinsics=source.intrinsics, depth_scale=source.depth_scale)
     found = _with_targets(_with_gaze(found, source, path), path)
     if (source.start, source.stop, source.step) != (0, 0, 1):
         found = window(found, source.start, source.stop, source.step)

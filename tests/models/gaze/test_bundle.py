@@ -14,7 +14,12 @@ def stereo_rig(offset=0.0):
     right[:3, :3] = lie.exp(np.array([0.01, -0.02, 0.005]))
     right[:3, 3] = [-0.12, 0.002, 0.001]
     return Rig(
-        np.array([[640, 480]] * 2), intrinsics, ("pinhole",) * 2, (np.zeros(0),) * 2, np.stack([np.eye(4), right]), offset
+        np.array([[640, 480]] * 2),
+        intrinsics,
+        ("pinhole",) * 2,
+        (np.zeros(0),) * 2,
+        np.stack([np.eye(4), right]),
+        offset,
     )
 
 
