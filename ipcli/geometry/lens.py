@@ -72,8 +72,16 @@ def undistort(model: str, coefficients: np.ndarray, distorted: np.ndarray) -> np
             if np.abs(np.nan_to_num(step)).max(initial=0.0) < 1e-13:
                 break
         missed = np.abs(distort(model, coefficients, found) - target).max(axis=-1) > 1e-9
-        missed |= ~(np.hypot(found[..., 0], found[..., 1]) < np.tan(WIDEST))
+        missed |= ~(np.hypot(found[..., 0], found[..., 1]) < _reach(model, coefficients))
     return np.where(missed[..., None], np.nan, found)
+
+
+def _reach(model: str, coefficients: np.ndarray) -> float:
+    """Distance from the axis up to which a larger one is drawn farther out: beyond, a lens draws two rays at one place."""
+    r = np.linspace(0.0, float(np.tan(WIDEST)), 2000)
+    drawn = distort(model, coefficients, np.stack([r, np.zeros_like(r)], axis=-1))[:, 0]
+    falls = np.flatnonzero(np.diff(drawn) <= 0)
+    return float(r[falls[0]]) if len(falls) else float(r[-1])
 
 
 def _start(model: str, target: np.ndarray) -> np.ndarray:

@@ -42,7 +42,8 @@ def in_band(left, right, left_descriptors, right_descriptors, order, band, least
                 continue
             d = _distance(left_descriptors[i], right_descriptors[j], second)
             if d < best:
-                second, best, match[i] = best, d, j
+                second = best if match[i] >= 0 else second
+                best, match[i] = d, j
             elif d < second:
                 second = d
         if match[i] >= 0 and best > ratio * second:
@@ -72,7 +73,8 @@ def near(expected, features, expected_descriptors, descriptors, order, radius, r
                 continue
             d = _distance(expected_descriptors[i], descriptors[j], second)
             if d < best:
-                second, best, match[i] = best, d, j
+                second = best if match[i] >= 0 else second
+                best, match[i] = d, j
             elif d < second:
                 second = d
         if match[i] >= 0 and best > ratio * second:

@@ -38,7 +38,8 @@ class Mapping:
 
     window: int = option(6, "Map frames that a local adjustment moves.", low=2)
     loss: float = option(1.0, "Scale of the Cauchy loss, in sigmas.", low=0.01)
-    overlap: float = option(0.75, "A frame joins the map when less of it than this is known.", low=0.0, high=1.0)
+    few: int = option(100, "A frame joins the map when its pose rests on fewer points than this.", low=0)
+    overlap: float = option(0.6, "... or when less of it than this is known.", low=0.0, high=1.0)
     turn: float = option(8.0, "... or when it turned by so much since the last.", low=0.0, unit="degrees")
     rounds: int = option(2, "Global adjustments, each after points were matched anew.", low=0)
 

@@ -169,7 +169,7 @@ class Tracker:
         depth = np.nanmedian(features.points[:, 2]) if np.isfinite(features.points).any() else np.inf
         moved = np.linalg.norm(lie.se3_inverse(last)[:3, 3] - lie.se3_inverse(track.pose)[:3, 3])
         p = self.p.mapping
-        return bool(turned > p.turn or known < 1 - p.overlap or moved > 0.1 * depth)
+        return bool(turned > p.turn or known < p.overlap or len(track.ids) < p.few or moved > 0.1 * depth)
 
     def _insert(self, track: Track, features: Features, chosen: np.ndarray, ids: np.ndarray, vector) -> None:
         """Make the frame part of the map and adjust around it."""
