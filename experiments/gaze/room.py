@@ -153,7 +153,7 @@ def _gaze(rng, times: np.ndarray, looked_at: np.ndarray, pose_at, course: Course
         off = lie.exp(turn[0] * side + turn[1] * np.cross(ray, side)) @ ray
         ideal = off[:2] / off[2]
         pixels[n] = lens.pixels_of(lens.distort(camera.model, camera.distortion, ideal), camera.intrinsics)
-    inside = ((pixels > 0) & (pixels < np.array(camera.size) - 1)).all(axis=1)
+    inside = np.logical_and(pixels > 0, pixels < np.array(camera.size) - 1).all(axis=1)
     return Gaze(times, pixels, inside, labels=np.array(NAMES)[looked_at], source="generated")
 
 
@@ -233,9 +233,12 @@ def write_euroc(walked: Walk, folder: Path, *, jpeg: int | None = None) -> None:
             _write_picture(folder / f"cam{camera}" / str(stamp), image, jpeg)
     from ipcli.io.gaze.trajectories import write_tum
 
-    truth = write_tum(np.array(stamps) * 1e-9, recording.truth, "generated room: world_from_cam0")
-    atomic.write_text(folder / "gt_cam0.tum", truth)
-    gaze = recording.gaze
+    gaze, truth = recording.gaze, recording.truth
+    assert gaze is not None
+    assert gaze.labels is not None
+    assert truth is not None
+    path = write_tum(np.array(stamps) * 1e-9, truth, "generated room: world_from_cam0")
+    atomic.write_text(folder / "gt_cam0.tum", path)
     lines = ["time [s],x [px],y [px],valid,label"]
     lines += [
         f"{time + 1:.6f},{x:.3f},{y:.3f},{int(valid)},{label}"

@@ -77,7 +77,7 @@ def undistort(model: str, coefficients: np.ndarray, distorted: np.ndarray) -> np
 
 
 def _reach(model: str, coefficients: np.ndarray) -> float:
-    """Distance from the axis up to which a larger one is drawn farther out: beyond, a lens draws two rays at one place."""
+    """Distance from the axis up to which a larger one is drawn farther out; beyond, two rays share one place."""
     r = np.linspace(0.0, float(np.tan(WIDEST)), 2000)
     drawn = distort(model, coefficients, np.stack([r, np.zeros_like(r)], axis=-1))[:, 0]
     falls = np.flatnonzero(np.diff(drawn) <= 0)

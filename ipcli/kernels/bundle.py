@@ -147,9 +147,10 @@ def _eliminate(matrix, vector, inverse, gradient, blocks, block_columns, by_offs
 @njit(cache=True)
 def reduced_system(
     rotations, translations, cam_rotations, cam_translations, intrinsics, offset, points, seen, pixels, scales, starts,
-    columns, loss, damping, with_offset, matrix, vector, point_inverse, point_gradient, blocks, block_columns, by_offset,
+    columns, loss, damping, with_offset, matrix, vector, point_inverse, point_gradient, blocks, block_columns,
+    by_offset,
 ):  # fmt: skip
-    """Fill the reduced system `matrix` x = `vector` of the frames (6 each, by `columns`; -1: held fixed) and the offset.
+    """Fill the reduced system `matrix` x = `vector` of frames (6 each, by `columns`; -1: held fixed) and offset.
 
     `starts` (p + 1): where each point's observations begin. `scales` (m): 1 / sigma in pixels. `loss`: Cauchy scale in
     sigmas. `damping` multiplies the diagonals (Levenberg-Marquardt). Only the upper triangle is filled. Kept for

@@ -1,4 +1,4 @@
-"""Nearest descriptors among features that lie where they may: in an epipolar band, or near where a point is expected."""
+"""Nearest descriptors among features that lie where they may: in an epipolar band, or near an expected place."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def _distance(a, b, worst):
     total = 0
     for start in range(0, a.shape[0], 16):
         for k in range(start, start + 16):
-            d = np.int32(a[k]) - np.int32(b[k])
+            d = int(a[k]) - int(b[k])
             total += d * d
         if total > worst:
             return total

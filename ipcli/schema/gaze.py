@@ -48,8 +48,8 @@ EXPERIMENT = Kind(
     "gaze-experiment",
     1,
     "Head path, map, coherent subsequences and points of regard: E of (3.34). H is `world_from_rig`, M `map/points`, B "
-    "`observer`, Delta T `frame_gap`, P `por/points`, Delta t `gaze_gap`, R_POR `shown/pixels`. World: the first frame's "
-    "rig, or that of the landmarks or map given; metres.",
+    "`observer`, Delta T `frame_gap`, P `por/points`, Delta t `gaze_gap`, R_POR `shown/pixels`. World: the rig of "
+    "the first frame; metres.",
     (
         Field("names", "str", ("k",), "", "Name of each frame"),
         Field("times", "float64", ("k",), "s", "Time of each frame, ascending", domain=FINITE),

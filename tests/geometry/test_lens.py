@@ -23,7 +23,9 @@ def grid(most):
 @pytest.mark.parametrize("model", LENSES)
 def test_undistort_undoes_distort(model):
     points = grid(0.7)
-    assert np.allclose(lens.undistort(model, LENSES[model], lens.distort(model, LENSES[model], points)), points, atol=1e-9)
+    assert np.allclose(
+        lens.undistort(model, LENSES[model], lens.distort(model, LENSES[model], points)), points, atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("count", [4, 5, 8])

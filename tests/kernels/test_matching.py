@@ -9,7 +9,10 @@ def scene(seed, n=60, m=70):
     rng = np.random.default_rng(seed)
     left, right = rng.uniform(0, 100, (n, 2)), rng.uniform(0, 100, (m, 2))
     a, b = rng.integers(0, 60, (n, 128), dtype=np.uint8), rng.integers(0, 60, (m, 128), dtype=np.uint8)
-    right[:30, 1], b[:30] = left[:30, 1] + rng.uniform(-1, 1, 30), np.minimum(a[:30] + rng.integers(0, 3, (30, 128)), 255)
+    right[:30, 1], b[:30] = (
+        left[:30, 1] + rng.uniform(-1, 1, 30),
+        np.minimum(a[:30] + rng.integers(0, 3, (30, 128)), 255),
+    )
     right[:30, 0] = left[:30, 0] - rng.uniform(1, 20, 30)
     return left, right, a, b
 

@@ -13,8 +13,6 @@ from ipcli.io.files.images import decoded
 from ipcli.io.gaze.pictures import check_size, grey
 from ipcli.measurements.recording import Camera, Frame, Gaze, Recording
 
-OPTIONAL = ("directions", "origins", "labels")
-
 
 def is_recording(path: Path) -> bool:
     """Whether the file may be such an artefact."""
@@ -66,8 +64,10 @@ def _cameras(path: Path, a: dict[str, np.ndarray]) -> tuple[Camera, ...]:
 def _gaze(a: dict[str, np.ndarray]) -> Gaze | None:
     if "gaze/times" not in a:
         return None
-    optional = {name: a.get(f"gaze/{name}") for name in OPTIONAL}
-    return Gaze(a["gaze/times"], a["gaze/pixels"], a["gaze/valid"].astype(bool), source="recording", **optional)
+    return Gaze(
+        a["gaze/times"], a["gaze/pixels"], a["gaze/valid"].astype(bool), a.get("gaze/directions"),
+        a.get("gaze/origins"), a.get("gaze/labels"), "recording",
+    )  # fmt: skip
 
 
 def recording_arrays(recording: Recording, encoded: Callable[[int], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:

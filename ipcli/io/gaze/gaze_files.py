@@ -135,10 +135,8 @@ def _aria(path: Path, c: Columns, size) -> Gaze:
     time = "tracking_timestamp_us" if "tracking_timestamp_us" in c else "t_us"
     yaw_name = next((n for n in ("yaw_rads_cpf", "yaw_rad") if n in c), None)
     pitch = np.tan(c["pitch_rads_cpf" if "pitch_rads_cpf" in c else "pitch_rad"])
-    if yaw_name:
-        across = np.tan(c[yaw_name])
-    else:
-        across = (np.tan(c["left_yaw_rads_cpf"]) + np.tan(c["right_yaw_rads_cpf"])) / 2
+    yaws = [yaw_name] if yaw_name else ["left_yaw_rads_cpf", "right_yaw_rads_cpf"]
+    across = np.mean([np.tan(c[name]) for name in yaws], axis=0)
     rays = np.stack([-across, -pitch, np.ones_like(pitch)], axis=1)
     rays /= np.linalg.norm(rays, axis=1, keepdims=True)
     return _gaze(c[time] * 1e-6, np.full((len(rays), 2), np.nan), np.isfinite(rays).all(axis=1), rays)
@@ -225,11 +223,14 @@ def _in_order(gaze: Gaze) -> Gaze:
     order = order[fresh]
     missing = len(gaze.times) - len(order)
     words = (f"{missing} gaze samples have no time of their own",) if missing else ()
-    parts = {
-        name: None if getattr(gaze, name) is None else getattr(gaze, name)[order]
-        for name in ("times", "pixels", "valid", "directions", "origins", "labels")
-    }
-    return replace(gaze, dropped=words, **parts)
+
+    def chosen(values: np.ndarray | None) -> np.ndarray | None:
+        return None if values is None else values[order]
+
+    return Gaze(
+        gaze.times[order], gaze.pixels[order], gaze.valid[order], chosen(gaze.directions), chosen(gaze.origins),
+        chosen(gaze.labels), gaze.source, words,
+    )  # fmt: skip
 
 
 def on_clock(gaze: Gaze, times: np.ndarray, shift: float, path: Path) -> Gaze:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ipcli.io.gaze import artefact, aria, boof, euroc, kitti, rgbd
+from ipcli.io.gaze import aria, artefact, boof, euroc, kitti, rgbd
 from ipcli.io.sources import Layout, open_source
 from ipcli.measurements.recording import Recording
 

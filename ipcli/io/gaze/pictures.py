@@ -23,7 +23,7 @@ def grey(image: np.ndarray) -> np.ndarray:
 
 
 def loader(pairs: Sequence[tuple[Path, ...]], cameras: Sequence[Camera]) -> Callable[[int], Frame]:
-    """How the frames of these files (left, or left and right) are read; FormatError for another size than calibrated."""
+    """How the frames of these files (left, or both) are read; FormatError for another size than calibrated."""
 
     def load(k: int) -> Frame:
         images = [read_image(path) for path in pairs[k]]

@@ -14,7 +14,7 @@ from ipcli.errors import FormatError, ParameterError
 from ipcli.io.files import text as layout
 from ipcli.io.files.images import read_depth, read_image
 from ipcli.io.gaze import pictures, trajectories
-from ipcli.measurements.recording import Camera, Frame, Recording
+from ipcli.measurements.recording import Frame, Recording
 
 TUM_SCALE, MILLIMETRES = 5000.0, 1000.0
 SEVEN_SCENES = (585.0, 585.0, 320.0, 240.0)
@@ -39,7 +39,8 @@ def open_tum(folder: Path, *, intrinsics: Sequence[float] | None = None, depth_s
         raise ParameterError(f"{folder}: a TUM recording does not say its calibration: give --intrinsics fx,fy,cx,cy")
     colours, depths = (_index(folder / f"{kind}.txt") for kind in ("rgb", "depth"))
     times = np.array([time for time, _ in depths])
-    pairs, alone = [], 0
+    pairs: list[tuple[float, Path, Path]] = []
+    alone = 0
     for time, path in colours:
         nearest = int(np.abs(times - time).argmin())
         if abs(times[nearest] - time) <= PAIRED:
@@ -60,7 +61,8 @@ def open_seven_scenes(
     folder: Path, *, intrinsics: Sequence[float] | None = None, depth_scale: float = MILLIMETRES
 ) -> Recording:
     """A 7-Scenes sequence at 30 frames a second."""
-    pairs, poses, alone = [], [], 0
+    pairs: list[tuple[float, Path, Path]] = []
+    poses, alone = [], 0
     for depth in sorted(folder.glob("frame-*.depth.png")):
         stem = depth.name.removesuffix(".depth.png")
         colour = next((p for s in layout.IMAGES if (p := folder / f"{stem}.color{s}").is_file()), None)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ipcli.geometry import lie
-from ipcli.measurements.recording import Frame, Gaze, Recording
+from ipcli.measurements.recording import Gaze, Recording
 from ipcli.models.gaze import gric, regard
 from ipcli.models.gaze.localise import Path
 from ipcli.models.gaze.parameters import Keyframes, Looking
@@ -128,10 +128,10 @@ def subsequences(
     unknown. `sigma`: of the gaze, radians. Matches with the keyframe are the map points that both frames see.
     """
     count = len(path.tracks)
+    score_f, score_h, changes, parted, flow = (np.full(count, np.nan) for _ in range(5))
     out = Subsequences(
-        np.full(count, -1), np.zeros(count, bool), *(np.full(count, np.nan) for _ in range(4)), np.zeros(count, int),
-        np.full(count, np.nan),
-    )  # fmt: skip
+        np.full(count, -1), np.zeros(count, bool), score_f, score_h, changes, parted, np.zeros(count, int), flow
+    )
     tau = p.tau * sigma * path.rig.focal
     current: _Open | None = None
     number = -1

@@ -57,7 +57,8 @@ def solve(
     poses, points, offset = work.poses, work.points, work.offset
     first, damping, used = system.cost(poses, points, offset), 1e-4, 0
     cost = first
-    for used in range(1, iterations + 1):
+    for _ in range(iterations):
+        used += 1
         system.fill(poses, points, offset, damping)
         step, moves = system.steps()
         trial = system.moved(poses, step)

@@ -26,7 +26,7 @@ def baseline_focal(recording: Recording) -> float:
 def views(
     recording: Recording, found: Mapping[str, np.ndarray], every: int, sigma: float, tell: Progress = silent
 ) -> Iterator[View]:
-    """The frames of the map, rectified, with their depth. ParameterError when the experiment is of another recording."""
+    """The frames of the map, rectified, with their depth. ParameterError for the experiment of another recording."""
     import cv2
 
     if tuple(found["names"]) != recording.names:

@@ -59,8 +59,9 @@ def coverage(squares: np.ndarray) -> dict[float, float]:
 
 
 def keyframe_scores(found: np.ndarray, true: np.ndarray, slack: int) -> dict[str, float]:
-    """Agreement (recall, as the thesis has it), precision and F1 of keyframes (frame numbers), matched one to one within
-    `slack` frames.
+    """Agreement (recall, as the thesis has it), precision and F1 of keyframes (frame numbers).
+
+    Matched one to one within `slack` frames.
     """
     free = list(found)
     hits = 0

@@ -143,8 +143,11 @@ def gaze_arrays(gaze: Gaze) -> Arrays:
         "gaze/pixels": gaze.pixels.astype(np.float64),
         "gaze/valid": gaze.valid.astype(np.uint8),
     }
-    optional = {"directions": gaze.directions, "origins": gaze.origins, "labels": gaze.labels}
-    return arrays | {f"gaze/{name}": value for name, value in optional.items() if value is not None}
+    for name in ("directions", "origins", "labels"):
+        value: np.ndarray | None = getattr(gaze, name)
+        if value is not None:
+            arrays[f"gaze/{name}"] = value
+    return arrays
 
 
 def looked_at(path: Path, gaze: Gaze, regards: attention.Regards, p: Localisation) -> Arrays:
@@ -234,7 +237,7 @@ def notes(recording: Recording, path: Path) -> list[str]:
         found.append(f"{len(lost)} of {len(path.tracks)} frames are lost; the first: {lost[0].reason}")
     if recording.gaze is None:
         found.append("no gaze: the head's direction stands for it where subsequences are split")
-    vertical = np.nanmedian([track.vertical for track in path.tracks]) if path.rig.is_stereo else 0.0
+    vertical = float(np.nanmedian([track.vertical for track in path.tracks])) if path.rig.is_stereo else 0.0
     if abs(vertical) > 1.0:
         found.append(f"rows of the two cameras differ by {vertical:.2f} px: the calibration may be of another rig")
     return found

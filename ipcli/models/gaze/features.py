@@ -55,7 +55,7 @@ def detect(image: np.ndarray, p: Detection) -> tuple[np.ndarray, np.ndarray, np.
     """SIFT: pixels (n, 2) with centres at integers, sizes (n,), RootSIFT descriptors (n, 128) uint8."""
     import cv2
 
-    sift = cv2.SIFT_create(nfeatures=p.count, contrastThreshold=p.contrast, edgeThreshold=10, sigma=1.6)
+    sift = cv2.SIFT.create(nfeatures=p.count, contrastThreshold=p.contrast, edgeThreshold=10, sigma=1.6)
     keypoints, descriptors = sift.detectAndCompute(image, None)
     if not keypoints:
         return np.empty((0, 2)), np.empty(0), np.empty((0, 128), np.uint8)

@@ -1,4 +1,4 @@
-"""Fixations: runs of gaze that stay within the fovea (dispersion threshold, Salvucci and Goldberg 2000), and their PORs."""
+"""Fixations: runs of gaze that stay within the fovea (dispersion threshold, Salvucci 2000), and their PORs."""
 
 from __future__ import annotations
 

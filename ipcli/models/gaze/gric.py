@@ -1,4 +1,4 @@
-"""Which motion between two pictures: a homography or a fundamental matrix, by GRIC (3.5)-(3.6), and when a gaze changes.
+"""Homography or fundamental matrix between two pictures, by GRIC (3.5)-(3.6), and when a gaze changes.
 
 Torr's criterion: residuals within the model against what the model costs. Both residuals are Sampson distances: a
 one-sided transfer error carries the noise of both pictures and picks the fundamental matrix every time.

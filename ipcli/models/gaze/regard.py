@@ -34,7 +34,7 @@ class Regard:
 
 
 def pattern() -> np.ndarray:
-    """Offsets (25, 2) of a standard normal in the plane: its middle and three rings, of unit variance along each axis."""
+    """Offsets (25, 2) of a standard normal in the plane: its middle and three rings, of unit variance."""
     radii = np.sqrt(-2 * np.log(1 - RINGS))
     angles = 2 * np.pi * np.arange(SPOKES) / SPOKES
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)

@@ -1,4 +1,4 @@
-"""Which past frames look like this one: vectors of locally aggregated descriptors (VLAD, Jegou 2010; Arandjelovic 2013)."""
+"""Which past frames look like this one: vectors of locally aggregated descriptors (VLAD, Jegou 2010)."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""The page of a `gaze-experiment`: path and map from two sides, points of regard on frames and on a panorama, GRIC curves,
-coherent subsequences, accuracy where the truth is known, and what was lost.
+"""The page of a `gaze-experiment`: path and map from two sides, points of regard on frames and on a panorama, GRIC
+curves, coherent subsequences, accuracy where the truth is known, and what was lost.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ def _verdict(a: Mapping[str, np.ndarray]) -> str:
 
 def _sides(a: Mapping[str, np.ndarray]) -> Markup:
     lead = (
-        "The head's path (blue), points of regard (red) and the map (grey), in the frame of the first picture: x to its "
-        "right, z the way it looked. The page X.turn.html beside this one shows the same to be turned."
+        "The head's path (blue), points of regard (red) and the map (grey), in the frame of the first picture: x to "
+        "its right, z the way it looked. The page X.turn.html beside this one shows the same to be turned."
     )
     both = gallery(from_above(a), from_the_side(a), columns=2)
     return section("Path and map", both, lead=lead)
@@ -63,7 +63,7 @@ def _accuracy(a: Mapping[str, np.ndarray]) -> list[Markup]:
         parts.append(table(head, rows))
     if len(a.get("accuracy/labels", ())):
         rows = [
-            [label, f"{regards}", number(float(dwell)), number(float(rms)), *(percent(float(share)) for share in inside)]
+            [label, f"{regards}", number(float(dwell)), number(float(rms)), *map(percent, inside.tolist())]
             for label, regards, dwell, rms, inside in zip(
                 a["accuracy/labels"], a["accuracy/regards"], a["accuracy/dwell"], a["accuracy/rms"],
                 a["accuracy/inside"], strict=True,
@@ -84,7 +84,7 @@ def _frames(a: Mapping[str, np.ndarray], widest: int) -> Markup:
         )
         for n, frame in enumerate(a["picture_frames"])
     ]
-    lead = "Points of regard (red, the nearest in time in yellow) drawn into some of the pictures: 15 at most, as in (3.34)."
+    lead = "Points of regard (red, the nearest in time in yellow) in some of the pictures: 15 at most, as in (3.34)."
     return section("What was looked at", gallery(*shown, columns=4, small=True), lead=lead)
 
 
@@ -108,8 +108,8 @@ def _curves(a: Mapping[str, np.ndarray]) -> Markup:
         plot([*turns, _keys(a, turns)], "Change of gaze", "frame", "see the legend", from_zero=True),
     ]
     lead = (
-        "The lower score explains the motion since the last keyframe better: a homography (H) when the head turned, a "
-        "fundamental matrix (F) when it moved. Dashed: keyframes, where attention turned to something else (figure 3.6)."
+        "The lower score explains the motion since the last keyframe better: a homography (H) when the head turned, "
+        "a fundamental matrix (F) when it moved. Dashed: keyframes, where attention turned elsewhere (figure 3.6)."
     )
     return section("Keyframes", element("div", *shown, class_="plots"), lead=lead)
 
@@ -182,8 +182,8 @@ def _lost(a: Mapping[str, np.ndarray]) -> list[Markup]:
 
 def _reading(a: Mapping[str, np.ndarray]) -> Markup:
     text = (
-        "Depth of a point of regard is that of the scene along the gaze ray, never the eyes' vergence. Its covariance holds "
-        "the error of the gaze carried over the surface, the error of the surface and that of the head pose. Lost frames "
-        "have no pose: NaN in the artefact, left out of the trajectory."
+        "Depth of a point of regard is that of the scene along the gaze ray, never the eyes' vergence. Its covariance "
+        "holds the error of the gaze carried over the surface, that of the surface and that of the head pose. Lost "
+        "frames have no pose: NaN in the artefact, left out of the trajectory."
     )
     return section("How to read it", element("p", text))

@@ -46,9 +46,8 @@ def panorama(a: Mapping[str, np.ndarray]) -> np.ndarray:
         image, seen = a["pictures"][n], rays @ pose[:3, :3]
         drawn = _pixels(a, seen) * (image.shape[1] / a["rig/sizes"][0, 0])
         inside = ((drawn >= 0) & (drawn <= np.array(image.shape[1::-1]) - 1)).all(axis=-1) & (seen[..., 2] > best)
-        looked = cv2.remap(
-            image, *(np.nan_to_num(drawn[..., c], nan=-9).astype(np.float32) for c in (0, 1)), cv2.INTER_LINEAR
-        )
+        maps = np.nan_to_num(drawn, nan=-9).astype(np.float32)
+        looked = cv2.remap(image, maps[..., 0].copy(), maps[..., 1].copy(), cv2.INTER_LINEAR)
         canvas[inside], best[inside] = looked[inside], seen[..., 2][inside]
     _mark(a, canvas, np.median(poses[:, :3, 3], axis=0), low, step)
     return canvas

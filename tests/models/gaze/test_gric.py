@@ -25,7 +25,13 @@ def matches(rng, parallax, planar=False, count=300, noise=0.5, outliers=0.1, tur
 
 @pytest.mark.parametrize(
     ("parallax", "planar", "least", "most"),
-    [(0.0, False, 0.0, 0.1), (0.6, False, 0.0, 0.1), (2.5, False, 0.85, 1.0), (6.2, False, 1.0, 1.0), (6.2, True, 0.0, 0.1)],
+    [
+        (0.0, False, 0.0, 0.1),
+        (0.6, False, 0.0, 0.1),
+        (2.5, False, 0.85, 1.0),
+        (6.2, False, 1.0, 1.0),
+        (6.2, True, 0.0, 0.1),
+    ],
 )
 def test_the_fundamental_matrix_is_chosen_when_the_head_moves(parallax, planar, least, most):
     chosen = [

@@ -30,7 +30,8 @@ def test_the_point_lies_on_the_plane_and_on_the_ray(origin):
     found = regard.look(surface(plane()), origin, direction, Looking(sigma=0.5))
     assert found.outcome == regard.HIT
     length = (-3.0 - origin @ [0.3, 0.2, -1.0]) / (direction @ [0.3, 0.2, -1.0])
-    assert np.allclose(found.point, origin + length * direction, atol=0.02 if origin.any() else 1e-3)  # depth is that of the nearest pixel
+    tolerance = 0.02 if origin.any() else 1e-3  # depth is that of the nearest pixel
+    assert np.allclose(found.point, origin + length * direction, atol=tolerance)
 
 
 def test_a_ray_stops_at_what_is_in_front():
