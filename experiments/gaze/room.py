@@ -16,7 +16,7 @@ import numpy as np
 from ipcli.geometry import lie
 from ipcli.io.files import atomic
 from ipcli.io.files.images import encode_png
-from ipcli.measurements.recording import Camera, Frame, Gaze, Recording
+from ipcli.measurements.recording import Camera, Frame, Gaze, HeadRecording
 
 ROOM = np.array([[-3.0, -1.4, -2.5], [3.0, 1.4, 2.8]])  # metres; y points down
 BOXES = np.array(
@@ -55,7 +55,7 @@ class Course:
 class Walk:
     """A recording with all its truth."""
 
-    recording: Recording
+    recording: HeadRecording
     looked_at: np.ndarray  # (n,) target of each gaze sample
     keyframes: np.ndarray  # frames with which attention turns to another target
     depth: Callable[[int], np.ndarray]  # true depth (h, w) of the left camera
@@ -81,7 +81,7 @@ def walk(course: Course, seed: int) -> Walk:
         images = [_picture(cameras[c], truth[k], course, own, dark, course.offset * c) for c in range(2)]
         return Frame(images[0], images[1])
 
-    recording = Recording(
+    recording = HeadRecording(
         tuple(f"{k:05d}" for k in range(course.frames)), times, cameras, load, (), gaze, truth,
         targets=TARGETS, target_names=NAMES, source="generated room",
     )  # fmt: skip

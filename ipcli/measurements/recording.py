@@ -49,7 +49,7 @@ class Frame:
 
 
 @dataclass(frozen=True, eq=False)
-class Recording:
+class HeadRecording:
     """Frames in order, each read only when asked for."""
 
     names: tuple[str, ...]
@@ -71,7 +71,7 @@ class Recording:
         return len(self.cameras) == 2
 
 
-def window(recording: Recording, start: int, stop: int, step: int = 1) -> Recording:
+def window(recording: HeadRecording, start: int, stop: int, step: int = 1) -> HeadRecording:
     """Frames start, start + step, ... before stop, with all gaze."""
     import dataclasses
 

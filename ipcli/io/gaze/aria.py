@@ -16,7 +16,7 @@ import numpy as np
 from ipcli.errors import FormatError
 from ipcli.io.files import text as layout
 from ipcli.io.gaze import gaze_files, pictures, trajectories
-from ipcli.measurements.recording import Camera, Gaze, Recording
+from ipcli.measurements.recording import Camera, Gaze, HeadRecording
 
 SIDES = ("slam-front-left", "slam-front-right")
 NANOSECONDS = 1e-9
@@ -29,7 +29,7 @@ def is_aria(folder: Path) -> bool:
     return (folder / "calib.json").is_file() and any(folder.glob(f"{SIDES[0]}_*.png"))
 
 
-def open_aria(folder: Path) -> Recording:
+def open_aria(folder: Path) -> HeadRecording:
     """The recording; the trajectory of the device is taken as truth where it is there."""
     calibration = _json(folder / "calib.json")
     left, right = (
@@ -47,7 +47,7 @@ def open_aria(folder: Path) -> Recording:
     tum = next(iter(sorted(folder.glob("*.tum"))), None)
     truth = trajectories.at_times(*trajectories.read_tum(tum), times, 0.1) @ poses[0] if tum else None
     files = [folder / "calib.json", *(path for path in (gaze_file, tum) if path and path.is_file())]
-    return Recording(
+    return HeadRecording(
         tuple(str(pair[0]) for pair in pairs),
         times,
         cameras,

@@ -11,7 +11,7 @@ from ipcli.errors import FormatError
 from ipcli.io.files import h5
 from ipcli.io.files.images import decoded
 from ipcli.io.gaze.pictures import check_size, grey
-from ipcli.measurements.recording import Camera, Frame, Gaze, Recording
+from ipcli.measurements.recording import Camera, Frame, Gaze, HeadRecording
 
 
 def is_recording(path: Path) -> bool:
@@ -19,7 +19,7 @@ def is_recording(path: Path) -> bool:
     return path.is_file() and path.suffix.lower() in (".h5", ".hdf5")
 
 
-def read_recording(path: Path) -> Recording:
+def read_recording(path: Path) -> HeadRecording:
     """The recording in a `recording` artefact."""
     a = h5.read(path, "recording", only=lambda field: not field.startswith("frames/")).arrays
     names = tuple(str(name) for name in a["names"])
@@ -43,7 +43,7 @@ def read_recording(path: Path) -> Recording:
         colour = None if (images[0][..., 0] == left).all() else images[0]
         return Frame(left, grey(images[1]) if len(images) > 1 else None, found.get(f"{prefix}depth"), colour)
 
-    return Recording(
+    return HeadRecording(
         names, a["times"], cameras, load, (path,), _gaze(a), a.get("truth"), a.get("imu"), a.get("targets"),
         tuple(str(name) for name in a.get("target_names", ())), str(a["source"]),
     )  # fmt: skip
@@ -70,7 +70,9 @@ def _gaze(a: dict[str, np.ndarray]) -> Gaze | None:
     )  # fmt: skip
 
 
-def recording_arrays(recording: Recording, encoded: Callable[[int], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+def recording_arrays(
+    recording: HeadRecording, encoded: Callable[[int], dict[str, np.ndarray]]
+) -> dict[str, np.ndarray]:
     """The fields of a `recording` artefact, rig and gaze apart; `encoded` gives the files of a frame's pictures."""
     arrays: dict[str, np.ndarray] = {
         "names": np.array(recording.names),

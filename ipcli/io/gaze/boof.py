@@ -11,7 +11,7 @@ import numpy as np
 from ipcli.errors import FormatError
 from ipcli.io.files import text as layout
 from ipcli.io.gaze import pictures
-from ipcli.measurements.recording import Camera, Recording
+from ipcli.measurements.recording import Camera, HeadRecording
 
 RATE = 15.0  # frames a second: the files do not tell
 LARGEST = 1 << 20  # bytes of a calibration
@@ -22,7 +22,7 @@ def is_boof(folder: Path) -> bool:
     return (folder / "stereo_params.xml").is_file() and (folder / "left").is_dir()
 
 
-def open_boof(folder: Path) -> Recording:
+def open_boof(folder: Path) -> HeadRecording:
     """The sequence, frames in the order of their numbers."""
     left, right = (
         {re.sub(r"^\D+", "", stem): path for stem, path in layout.by_stem(folder / side, layout.IMAGES).items()}
@@ -32,7 +32,7 @@ def open_boof(folder: Path) -> Recording:
     width = max(map(len, names))
     cameras = _cameras(folder / "stereo_params.xml")
     pairs = [(left[name], right[name]) for name in names]
-    return Recording(
+    return HeadRecording(
         tuple(name.zfill(width) for name in names),
         np.arange(len(names)) / RATE,
         cameras,

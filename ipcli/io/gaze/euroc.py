@@ -14,7 +14,7 @@ import numpy as np
 from ipcli.errors import FormatError
 from ipcli.io.files import text as layout
 from ipcli.io.gaze import pictures, trajectories
-from ipcli.measurements.recording import Camera, Recording
+from ipcli.measurements.recording import Camera, HeadRecording
 
 MODELS = {"radial-tangential": "radtan", "radtan": "radtan", "equidistant": "equidistant", "none": "pinhole"}
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -26,7 +26,7 @@ def is_euroc(folder: Path) -> bool:
     return _sensor(folder, 0) is not None
 
 
-def open_euroc(folder: Path) -> Recording:
+def open_euroc(folder: Path) -> HeadRecording:
     """The recording with its truth where there is one: `state_groundtruth_estimate0/data.csv` or `gt_cam0.tum`."""
     root = folder / "mav0" if (folder / "mav0").is_dir() else folder
     sensors = [path for path in (_sensor(folder, 0), _sensor(folder, 1)) if path]
@@ -36,7 +36,7 @@ def open_euroc(folder: Path) -> Recording:
     times = np.array([int(name) for name in names], dtype=np.int64) * 1e-9
     truth, files = _truth(root, times, body_from_cam)
     paths = tuple(path for pair in pairs.values() for path in pair)
-    return Recording(
+    return HeadRecording(
         tuple(names),
         times,
         cameras,

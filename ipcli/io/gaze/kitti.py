@@ -13,7 +13,7 @@ import numpy as np
 from ipcli.errors import FormatError
 from ipcli.io.files import text as layout
 from ipcli.io.gaze import pictures, trajectories
-from ipcli.measurements.recording import Camera, Recording
+from ipcli.measurements.recording import Camera, HeadRecording
 
 PAIRS = (("image_0", "image_1"), ("image_2", "image_3"), ("image_l", "image_r"))
 RATE = 10.0  # frames a second of KITTI, where there is no times.txt
@@ -24,7 +24,7 @@ def is_kitti(folder: Path) -> bool:
     return (folder / "calib.txt").is_file() and _folders(folder) is not None
 
 
-def open_kitti(folder: Path) -> Recording:
+def open_kitti(folder: Path) -> HeadRecording:
     """The sequence; `poses.txt` gives the truth, if it is there."""
     folders = _folders(folder)
     if folders is None:
@@ -35,7 +35,7 @@ def open_kitti(folder: Path) -> Recording:
     pairs = [(left[name], right[name]) for name in names]
     files = [path for path in (folder / "calib.txt", folder / "times.txt", folder / "poses.txt") if path.is_file()]
     truth = trajectories.read_kitti(folder / "poses.txt", len(names)) if (folder / "poses.txt").is_file() else None
-    return Recording(
+    return HeadRecording(
         tuple(names),
         _times(folder / "times.txt", len(names)),
         cameras,

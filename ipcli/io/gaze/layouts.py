@@ -7,9 +7,9 @@ from typing import Any
 
 from ipcli.io.gaze import aria, artefact, boof, euroc, kitti, rgbd
 from ipcli.io.sources import Layout, open_source
-from ipcli.measurements.recording import Recording
+from ipcli.measurements.recording import HeadRecording
 
-LAYOUTS: dict[str, Layout[Recording]] = {
+LAYOUTS: dict[str, Layout[HeadRecording]] = {
     "recording": Layout(artefact.is_recording, artefact.read_recording, "an HDF5 recording artefact"),
     "euroc": Layout(euroc.is_euroc, euroc.open_euroc, "mav0/cam0/sensor.yaml or cam0_sensor.yaml"),
     "kitti": Layout(kitti.is_kitti, kitti.open_kitti, "image_0/, image_1/ and calib.txt"),
@@ -20,7 +20,7 @@ LAYOUTS: dict[str, Layout[Recording]] = {
 }
 
 
-def open_recording(path: Path, format: str = "auto", **hints: Any) -> Recording:
+def open_recording(path: Path, format: str = "auto", **hints: Any) -> HeadRecording:
     """The recording at `path`, its frames read only when asked for. Raises what `io.sources.open_source` raises."""
     fix = "Rename the files to one of these layouts"
     return open_source(path, LAYOUTS, "recordings", fix, format, **hints)

@@ -14,7 +14,7 @@ from ipcli.errors import FormatError, ParameterError
 from ipcli.io.files import text as layout
 from ipcli.io.files.images import read_depth, read_image
 from ipcli.io.gaze import pictures, trajectories
-from ipcli.measurements.recording import Frame, Recording
+from ipcli.measurements.recording import Frame, HeadRecording
 
 TUM_SCALE, MILLIMETRES = 5000.0, 1000.0
 SEVEN_SCENES = (585.0, 585.0, 320.0, 240.0)
@@ -33,7 +33,9 @@ def is_seven_scenes(folder: Path) -> bool:
     return folder.is_dir() and any(folder.glob("frame-*.depth.png"))
 
 
-def open_tum(folder: Path, *, intrinsics: Sequence[float] | None = None, depth_scale: float = TUM_SCALE) -> Recording:
+def open_tum(
+    folder: Path, *, intrinsics: Sequence[float] | None = None, depth_scale: float = TUM_SCALE
+) -> HeadRecording:
     """A TUM recording; it does not hold its calibration: give fx,fy,cx,cy."""
     if intrinsics is None:
         raise ParameterError(f"{folder}: a TUM recording does not say its calibration: give --intrinsics fx,fy,cx,cy")
@@ -59,7 +61,7 @@ def open_tum(folder: Path, *, intrinsics: Sequence[float] | None = None, depth_s
 
 def open_seven_scenes(
     folder: Path, *, intrinsics: Sequence[float] | None = None, depth_scale: float = MILLIMETRES
-) -> Recording:
+) -> HeadRecording:
     """A 7-Scenes sequence at 30 frames a second."""
     pairs: list[tuple[float, Path, Path]] = []
     poses, alone = [], 0
@@ -82,7 +84,7 @@ def open_seven_scenes(
     )
 
 
-def _recording(folder, names, times, pairs, intrinsics, scale: float, truth, source: str, words) -> Recording:
+def _recording(folder, names, times, pairs, intrinsics, scale: float, truth, source: str, words) -> HeadRecording:
     if not scale > 0:
         raise ParameterError(f"{folder}: depth_scale = {scale!r}: expected a number > 0")
     camera = pictures.camera_of(folder, tuple(intrinsics), pictures.size_of(pairs[0][1]))
@@ -95,7 +97,7 @@ def _recording(folder, names, times, pairs, intrinsics, scale: float, truth, sou
         return Frame(pictures.grey(image), None, depth, image)
 
     files = tuple(path for _, colour, depth in pairs for path in (colour, depth))
-    return Recording(names, times, (camera,), load, files, truth=truth, source=source, dropped=words)
+    return HeadRecording(names, times, (camera,), load, files, truth=truth, source=source, dropped=words)
 
 
 def _index(path: Path) -> list[tuple[float, Path]]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ipcli.geometry import lie
-from ipcli.measurements.recording import Gaze, Recording
+from ipcli.measurements.recording import Gaze, HeadRecording
 from ipcli.models.gaze import gric, regard
 from ipcli.models.gaze.localise import Path
 from ipcli.models.gaze.parameters import Keyframes, Looking
@@ -34,7 +34,7 @@ class Regards:
 
 def regards_of(
     path: Path,
-    recording: Recording,
+    recording: HeadRecording,
     p: Looking,
     tell: Progress = silent,
     keep: Callable[[int, Surface], None] | None = None,
@@ -173,7 +173,7 @@ def _turns(path: Path, k: int, current: _Open, pixels, regards, out: Subsequence
     return gric.wants_keyframe(current.changed, late, p)
 
 
-def gaze_of_frames(path: Path, recording: Recording, regards: Regards | None) -> tuple[np.ndarray, np.ndarray]:
+def gaze_of_frames(path: Path, recording: HeadRecording, regards: Regards | None) -> tuple[np.ndarray, np.ndarray]:
     """For each frame the undistorted pixel (k, 2) and point (k, 3) of its gaze: medians of its samples.
 
     Without any gaze the head's own direction stands for it: the middle of the picture.

@@ -16,7 +16,7 @@ from ipcli.kernels import bundle
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class BundleProblem:
     """Frames, points, and which camera of which frame saw which point where. Observations in any order."""
 
     poses: np.ndarray  # (f, 4, 4) rig_from_world
@@ -41,7 +41,7 @@ class Solution:
 
 
 def solve(
-    problem: Problem,
+    problem: BundleProblem,
     rig: Rig,
     *,
     loss: float = 1.0,
@@ -81,7 +81,7 @@ def solve(
 class _System:
     """The buffers of the reduced system, and the rig as the kernels take it."""
 
-    def __init__(self, problem: Problem, rig: Rig, loss: float, free_offset: bool):
+    def __init__(self, problem: BundleProblem, rig: Rig, loss: float, free_offset: bool):
         self.problem, self.loss, self.free_offset = problem, loss, free_offset
         self.rig = tuple(
             np.ascontiguousarray(part) for part in (rig.cam_from_rig[:, :3, :3], rig.cam_from_rig[:, :3, 3])

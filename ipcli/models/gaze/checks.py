@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipcli.geometry.rig import Rig
-from ipcli.measurements.recording import Recording
+from ipcli.measurements.recording import HeadRecording
 from ipcli.models.gaze import features, localise, regard
 from ipcli.models.gaze.parameters import Localisation
 
@@ -30,7 +30,7 @@ class Pair:
     usable: bool
 
 
-def pairs(recording: Recording, p: Localisation, count: int) -> list[Pair]:
+def pairs(recording: HeadRecording, p: Localisation, count: int) -> list[Pair]:
     """Some pairs, evenly spread."""
     rig = localise.rig_of(recording)
     wide = replace(p.detection, band=WIDE)
@@ -38,7 +38,7 @@ def pairs(recording: Recording, p: Localisation, count: int) -> list[Pair]:
     return [_pair(recording, int(k), rig, wide) for k in chosen]
 
 
-def _pair(recording: Recording, k: int, rig: Rig, p) -> Pair:
+def _pair(recording: HeadRecording, k: int, rig: Rig, p) -> Pair:
     frame = recording.load(k)
     found = features.extract(frame.left, frame.right, frame.depth, rig, p)
     hit = np.isfinite(found.points).all(axis=1)
@@ -55,7 +55,7 @@ def _pair(recording: Recording, k: int, rig: Rig, p) -> Pair:
     return Pair(recording.names[k], len(found), int(hit.sum()), swapped, middle, spread, float(slope), found.usable)
 
 
-def verdict(recording: Recording, found: list[Pair]) -> tuple[dict[str, object], list[str]]:
+def verdict(recording: HeadRecording, found: list[Pair]) -> tuple[dict[str, object], list[str]]:
     """Figures and warnings."""
     facts: dict[str, object] = {
         "layout": recording.source,
@@ -102,7 +102,7 @@ def _stereo(facts: dict[str, object], found: list[Pair]) -> list[str]:
     return words
 
 
-def _gaze(facts: dict[str, object], recording: Recording) -> list[str]:
+def _gaze(facts: dict[str, object], recording: HeadRecording) -> list[str]:
     gaze = recording.gaze
     if gaze is None or not len(gaze.times):
         return ["no gaze: give --gaze; without, there are no points of regard"]

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ipcli.errors import ParameterError
-from ipcli.measurements.recording import Recording
+from ipcli.measurements.recording import HeadRecording
 from ipcli.measurements.views import View
 from ipcli.models.gaze import localise
 from ipcli.models.gaze.surface import Matcher
@@ -17,14 +17,14 @@ from ipcli.progress import Progress, silent
 NEAREST = 2.0  # percentile of the map points' depth, half of which is still searched
 
 
-def baseline_focal(recording: Recording) -> float:
+def baseline_focal(recording: HeadRecording) -> float:
     """Pixels * metres: disparity = baseline_focal / depth."""
     rig = localise.rig_of(recording)
     return rig.focal * (rig.baseline or 1.0)
 
 
 def views(
-    recording: Recording, found: Mapping[str, np.ndarray], every: int, sigma: float, tell: Progress = silent
+    recording: HeadRecording, found: Mapping[str, np.ndarray], every: int, sigma: float, tell: Progress = silent
 ) -> Iterator[View]:
     """The frames of the map, rectified, with their depth. ParameterError for the experiment of another recording."""
     import cv2

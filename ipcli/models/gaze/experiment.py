@@ -9,9 +9,9 @@ import numpy as np
 from ipcli.errors import NoSolution
 from ipcli.geometry import lie
 from ipcli.geometry.rig import Rig
-from ipcli.measurements.recording import Camera, Frame, Gaze, Recording
+from ipcli.measurements.recording import Camera, Frame, Gaze, HeadRecording
 from ipcli.models.gaze import attention, evaluation, fixations, localise
-from ipcli.models.gaze.features import Features
+from ipcli.models.gaze.features import StereoFeatures
 from ipcli.models.gaze.localise import Path
 from ipcli.models.gaze.parameters import Localisation
 from ipcli.models.gaze.scene_map import NONE
@@ -28,17 +28,17 @@ COMMON = (
 Arrays = dict[str, np.ndarray]
 
 
-class Album:
+class KeptPictures:
     """What is kept of the pictures: some of them made small, and the grey of each map point."""
 
-    def __init__(self, recording: Recording, rig: Rig):
+    def __init__(self, recording: HeadRecording, rig: Rig):
         count = len(recording.names)
         self.rig = rig
         self.wanted = set(np.unique(np.linspace(0, count - 1, PICTURES).astype(int)).tolist())
         self.pictures: dict[int, np.ndarray] = {}
         self.greys: dict[int, np.ndarray] = {}
 
-    def look(self, k: int, frame: Frame, found: Features, track: Track) -> None:
+    def look(self, k: int, frame: Frame, found: StereoFeatures, track: Track) -> None:
         """A frame passes by."""
         import cv2
 
@@ -52,10 +52,10 @@ class Album:
             self.greys[track.position] = frame.left[at[:, 1], at[:, 0]]
 
 
-def experiment(recording: Recording, p: Localisation, seed: int, tell: Progress = silent) -> Arrays:
+def experiment(recording: HeadRecording, p: Localisation, seed: int, tell: Progress = silent) -> Arrays:
     """Localise, look for points of regard, split into subsequences. NoSolution when no frame has a pose."""
     rig = localise.rig_of(recording)
-    album = Album(recording, rig)
+    album = KeptPictures(recording, rig)
     path = localise.localise(recording, p, seed, lambda share, what: tell(0.7 * share, what), album.look)
     if all(track.is_lost for track in path.tracks):
         raise NoSolution(
@@ -73,7 +73,7 @@ def experiment(recording: Recording, p: Localisation, seed: int, tell: Progress 
     return arrays | gathered(arrays) | judged(arrays)
 
 
-def head_path(recording: Recording, path: Path) -> Arrays:
+def head_path(recording: HeadRecording, path: Path) -> Arrays:
     """Poses and what they rest on."""
     tracks = path.tracks
     poses = lie.se3_inverse(np.stack([track.pose for track in tracks]))
@@ -96,7 +96,7 @@ def head_path(recording: Recording, path: Path) -> Arrays:
     }
 
 
-def scene(path: Path, album: Album) -> Arrays:
+def scene(path: Path, album: KeptPictures) -> Arrays:
     """The map: points that fit, their grey, and their sightings."""
     used = np.array([point for point in range(path.scene.count) if len(path.scene.observers[point])], int)
     number = np.full(path.scene.count, NONE)
@@ -202,7 +202,7 @@ def attended(split: attention.Subsequences) -> Arrays:
     }
 
 
-def about(recording: Recording, path: Path) -> Arrays:
+def about(recording: HeadRecording, path: Path) -> Arrays:
     """Names, times, truth, the offset, and what a reader must be told."""
     gaps = {"frame_gap": recording.times, "gaze_gap": recording.gaze.times if recording.gaze else np.empty(0)}
     middle = np.median(path.scene.points[: path.scene.count], axis=0)
@@ -229,7 +229,7 @@ def about(recording: Recording, path: Path) -> Arrays:
     return arrays
 
 
-def notes(recording: Recording, path: Path) -> list[str]:
+def notes(recording: HeadRecording, path: Path) -> list[str]:
     """What was left out, and what looks wrong."""
     found = [*recording.dropped, *(recording.gaze.dropped if recording.gaze else ())]
     lost = [track for track in path.tracks if track.is_lost]

@@ -16,7 +16,7 @@ FLAT = 2.0  # grey levels: standard deviation of a picture that shows nothing
 
 
 @dataclass(frozen=True, eq=False)
-class Features:
+class StereoFeatures:
     """Features of the left picture of a frame, with their partners in the right one."""
 
     left: np.ndarray  # (n, 2) float64 undistorted pixels
@@ -32,7 +32,9 @@ class Features:
         return len(self.left)
 
 
-def extract(left: np.ndarray, right: np.ndarray | None, depth: np.ndarray | None, rig: Rig, p: Detection) -> Features:
+def extract(
+    left: np.ndarray, right: np.ndarray | None, depth: np.ndarray | None, rig: Rig, p: Detection
+) -> StereoFeatures:
     """Features of pictures (h, w) uint8; of one camera alone they have no points, unless there is depth (metres)."""
     images = [image for image in (left, right) if image is not None]
     found = threads.each(lambda image: detect(image, p), images)
@@ -48,7 +50,7 @@ def extract(left: np.ndarray, right: np.ndarray | None, depth: np.ndarray | None
         partner, points, vertical = _stereo(undistorted, descriptors, seen[1], found[1][2], rig, p)
     elif depth is not None:
         points = _measured(pixels, undistorted, depth, rig)
-    return Features(undistorted, partner, points, sigma, descriptors, rows, vertical, bool(usable))
+    return StereoFeatures(undistorted, partner, points, sigma, descriptors, rows, vertical, bool(usable))
 
 
 def detect(image: np.ndarray, p: Detection) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

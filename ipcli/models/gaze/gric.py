@@ -52,7 +52,7 @@ def _homogeneous(pixels: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class FrameMotion:
     """Both models between a keyframe and a frame, with their scores; NaN where there were too few matches."""
 
     fundamental: np.ndarray  # (3, 3)
@@ -68,14 +68,14 @@ class Motion:
         return self.score_f < self.score_h
 
 
-def motion(first: np.ndarray, second: np.ndarray, sigma: float, seed: int = 0) -> Motion:
+def motion(first: np.ndarray, second: np.ndarray, sigma: float, seed: int = 0) -> FrameMotion:
     """Fit both models to matches (n, 2) robustly and score them."""
     import cv2
 
     nothing = np.full((3, 3), np.nan)
     flow = float(np.median(np.linalg.norm(second - first, axis=1))) if len(first) else float("nan")
     if len(first) < LEAST:
-        return Motion(nothing, nothing, float("nan"), float("nan"), len(first), flow)
+        return FrameMotion(nothing, nothing, float("nan"), float("nan"), len(first), flow)
     cv2.setRNGSeed(seed)
     f, _ = cv2.findFundamentalMat(first, second, cv2.USAC_MAGSAC, 2 * sigma, 0.999, 2000)
     h, _ = cv2.findHomography(first, second, cv2.USAC_MAGSAC, 3 * sigma, None, 2000, 0.999)
@@ -83,13 +83,13 @@ def motion(first: np.ndarray, second: np.ndarray, sigma: float, seed: int = 0) -
         float("inf") if model is None or model.shape != (3, 3) else gric(distance(model, first, second), sigma, shape)
         for model, distance, shape in ((f, sampson_fundamental, F_SHAPE), (h, sampson_homography, H_SHAPE))
     ]
-    return Motion(
+    return FrameMotion(
         nothing if f is None or f.shape != (3, 3) else f, nothing if h is None else h, scores[0], scores[1],
         len(first), flow,
     )  # fmt: skip
 
 
-def change(found: Motion, before: np.ndarray, now: np.ndarray, rule: str = "sampson") -> float:
+def change(found: FrameMotion, before: np.ndarray, now: np.ndarray, rule: str = "sampson") -> float:
     """delta: how far the gaze (pixels (2,), in the keyframe and now) is from what the motion explains.
 
     `sampson`: the distance in pixels under the selected model. `printed`: (3.7) with the absolute value, which the

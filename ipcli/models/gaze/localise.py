@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipcli.geometry.rig import Rig
-from ipcli.measurements.recording import Frame, Recording
+from ipcli.measurements.recording import Frame, HeadRecording
 from ipcli.models.gaze import adjustment, features, pose, retrieval
 from ipcli.models.gaze.adjustment import Offset
 from ipcli.models.gaze.parameters import Localisation
@@ -19,7 +19,7 @@ from ipcli.rng import stream
 
 SAMPLED = 8  # frames whose descriptors the words of the album are learnt from
 
-Look = Callable[[int, Frame, features.Features, Track], None]
+Look = Callable[[int, Frame, features.StereoFeatures, Track], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Path:
     adjusted: bool
 
 
-def rig_of(recording: Recording) -> Rig:
+def rig_of(recording: HeadRecording) -> Rig:
     """The rig as geometry takes it."""
     cameras = recording.cameras
     return Rig(
@@ -47,7 +47,7 @@ def rig_of(recording: Recording) -> Rig:
 
 
 def localise(
-    recording: Recording, p: Localisation, seed: int, tell: Progress = silent, look: Look | None = None
+    recording: HeadRecording, p: Localisation, seed: int, tell: Progress = silent, look: Look | None = None
 ) -> Path:
     """Poses of all frames. `look` sees every frame once, with its features and its track, while it is in memory."""
     rig = rig_of(recording)
@@ -57,7 +57,7 @@ def localise(
     return _settle(path, p, tell)
 
 
-def _pass(recording: Recording, rig: Rig, p: Localisation, seed: int, tell: Progress, look: Look | None) -> Path:
+def _pass(recording: HeadRecording, rig: Rig, p: Localisation, seed: int, tell: Progress, look: Look | None) -> Path:
     tracker = Tracker(rig, album_of(recording, rig, p, seed), p, seed)
     count = len(recording.names)
     online = np.full((count, 4, 4), np.nan)
@@ -72,7 +72,7 @@ def _pass(recording: Recording, rig: Rig, p: Localisation, seed: int, tell: Prog
     return Path(rig, tracker.tracks, tracker.scene, online, None, False)
 
 
-def album_of(recording: Recording, rig: Rig, p: Localisation, seed: int) -> retrieval.Album:
+def album_of(recording: HeadRecording, rig: Rig, p: Localisation, seed: int) -> retrieval.Album:
     """An empty album whose words suit the recording."""
     sample = np.unique(np.linspace(0, len(recording.names) - 1, SAMPLED).astype(int))
     rng = stream(seed, "gaze-sfm", "words")

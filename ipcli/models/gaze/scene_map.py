@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ipcli.geometry import lie
-from ipcli.models.gaze.bundle import Problem
-from ipcli.models.gaze.features import Features
+from ipcli.models.gaze.bundle import BundleProblem
+from ipcli.models.gaze.features import StereoFeatures
 from ipcli.models.gaze.pose import Sightings
 
 NONE = -1
@@ -21,7 +21,7 @@ class MapFrame:
     """A frame that is part of the map."""
 
     number: int  # in the recording
-    features: Features
+    features: StereoFeatures
     pose: np.ndarray  # (4, 4) rig_from_world
     ids: np.ndarray  # (n,) map point of each feature, NONE without
 
@@ -51,7 +51,7 @@ class SceneMap:
         self.count = need
         return ids
 
-    def add_frame(self, number: int, features: Features, pose: np.ndarray, ids: np.ndarray) -> int:
+    def add_frame(self, number: int, features: StereoFeatures, pose: np.ndarray, ids: np.ndarray) -> int:
         """Position of the new frame. Features with a point but no number become new map points."""
         ids = ids.copy()
         fresh = np.flatnonzero((ids == NONE) & np.isfinite(features.points).all(axis=1))
@@ -111,11 +111,11 @@ class SceneMap:
                 self.observers[ids[feature]].remove(position)
                 ids[feature] = NONE
 
-    def sightings(self, features: Features, chosen: np.ndarray, ids: np.ndarray) -> Sightings:
+    def sightings(self, features: StereoFeatures, chosen: np.ndarray, ids: np.ndarray) -> Sightings:
         """Map points as these features of a frame see them."""
         return Sightings(self.points[ids], features.left[chosen], features.right[chosen], features.sigma[chosen])
 
-    def problem(self, positions: Sequence[int], free: np.ndarray, ids: np.ndarray) -> Problem:
+    def problem(self, positions: Sequence[int], free: np.ndarray, ids: np.ndarray) -> BundleProblem:
         """The bundle problem of these frames (in this order) and points."""
         number = np.full(self.count, NONE)
         number[ids] = np.arange(len(ids))
@@ -131,7 +131,7 @@ class SceneMap:
                 pixels.append(image[known])
                 sigma.append(frame.features.sigma[known])
         poses = np.stack([self.frames[position].pose for position in positions])
-        return Problem(
+        return BundleProblem(
             poses, free, self.points[ids], np.concatenate(seen), np.concatenate(pixels), np.concatenate(sigma)
         )
 

@@ -11,7 +11,7 @@ from ipcli.geometry.rig import Rig
 from ipcli.kernels import matching
 from ipcli.models.gaze import adjustment, pose
 from ipcli.models.gaze.adjustment import in_picture
-from ipcli.models.gaze.features import WORST, Features
+from ipcli.models.gaze.features import WORST, StereoFeatures
 from ipcli.models.gaze.parameters import Localisation
 from ipcli.models.gaze.retrieval import Album
 from ipcli.models.gaze.scene_map import NONE, SceneMap
@@ -58,7 +58,7 @@ class Tracker:
         self.tracks: list[Track] = []
         self.keep_map = False  # localise only: the map is somebody else's
 
-    def add(self, number: int, features: Features) -> Track:
+    def add(self, number: int, features: StereoFeatures) -> Track:
         """Localise a frame, add it to the map where it brings something new."""
         track = self._locate(number, features)
         track.features, track.stereo = len(features), int(np.isfinite(features.points[:, 0]).sum())
@@ -66,7 +66,7 @@ class Tracker:
         self.tracks.append(track)
         return track
 
-    def _locate(self, number: int, features: Features) -> Track:
+    def _locate(self, number: int, features: StereoFeatures) -> Track:
         if not features.usable or len(features) < self.p.tracking.least:
             return _lost(number, "picture too dark or without texture")
         if not self.scene.frames:
@@ -88,7 +88,7 @@ class Tracker:
             self._insert(track, features, chosen, ids, vector)
         return track
 
-    def _first(self, number: int, features: Features) -> Track:
+    def _first(self, number: int, features: StereoFeatures) -> Track:
         """The first frame is the world; it needs points of its own."""
         if np.isfinite(features.points[:, 0]).sum() < self.p.tracking.least:
             return _lost(number, "too few points matched between the cameras to begin a map")
@@ -98,7 +98,7 @@ class Tracker:
         self._insert(track, features, none, none, None)
         return track
 
-    def _predicted(self, features: Features):
+    def _predicted(self, features: StereoFeatures):
         """From the last motion; None if the last frames are lost or the prediction does not hold."""
         last = self.tracks[-1] if self.tracks else None
         if last is None or last.is_lost:
@@ -115,7 +115,7 @@ class Tracker:
             features, self._agreed(features, chosen, ids, max(2 * self.p.tracking.least, STEADY * len(ids)))
         )
 
-    def _agreed(self, features: Features, chosen: np.ndarray, ids: np.ndarray, least: float):
+    def _agreed(self, features: StereoFeatures, chosen: np.ndarray, ids: np.ndarray, least: float):
         """RANSAC on both cameras and refinement; None when fewer than `least` agree."""
         seen = self.scene.sightings(features, chosen, ids)
         rng = stream(self.seed, "gaze-sfm", str(len(self.tracks)))
@@ -127,7 +127,7 @@ class Tracker:
             return None
         return found, chosen[found.inliers], ids[found.inliers]
 
-    def _recognised(self, features: Features, vector: np.ndarray):
+    def _recognised(self, features: StereoFeatures, vector: np.ndarray):
         """From past frames that look alike, by RANSAC on both cameras."""
         alike = self.album.similar(vector, self.p.tracking.similar)
         positions = sorted({*alike, len(self.scene.frames) - 1})
@@ -137,7 +137,7 @@ class Tracker:
             return None
         return self._completed(features, self._agreed(features, chosen, ids, self.p.tracking.least // 2))
 
-    def _completed(self, features: Features, found):
+    def _completed(self, features: StereoFeatures, found):
         """Look for all points around with the pose known, and refine; None stays None."""
         if found is None:
             return None
@@ -151,7 +151,7 @@ class Tracker:
             best = pose.refine(self.rig, best.rig_from_world, seen, cut=self.p.tracking.error)
         return best, chosen[best.inliers], ids[best.inliers]
 
-    def _guided(self, features: Features, guess: np.ndarray, around: np.ndarray, radius: float, ratio: float):
+    def _guided(self, features: StereoFeatures, guess: np.ndarray, around: np.ndarray, radius: float, ratio: float):
         """Features (m,) and the map points (m,) found near where the pose puts them, one to one."""
         inside = self.scene.points[around] @ guess[:3, :3].T + guess[:3, 3]
         expected = in_picture(self.rig, inside)
@@ -161,7 +161,7 @@ class Tracker:
         )  # fmt: skip
         return _one_to_one(match, distance, around)
 
-    def _is_new(self, track: Track, features: Features) -> bool:
+    def _is_new(self, track: Track, features: StereoFeatures) -> bool:
         """Whether the map would gain from this frame."""
         last = self.scene.frames[-1].pose
         turned = np.degrees(lie.angle(last[:3, :3], track.pose[:3, :3]))
@@ -171,7 +171,7 @@ class Tracker:
         p = self.p.mapping
         return bool(turned > p.turn or known < p.overlap or len(track.ids) < p.few or moved > 0.1 * depth)
 
-    def _insert(self, track: Track, features: Features, chosen: np.ndarray, ids: np.ndarray, vector) -> None:
+    def _insert(self, track: Track, features: StereoFeatures, chosen: np.ndarray, ids: np.ndarray, vector) -> None:
         """Make the frame part of the map and adjust around it."""
         of_features = np.full(len(features), NONE)
         of_features[chosen] = ids
@@ -181,7 +181,7 @@ class Tracker:
         track.pose = self.scene.frames[track.position].pose
 
 
-def _described(features: Features, descriptors: np.ndarray, around: np.ndarray, points: np.ndarray):
+def _described(features: StereoFeatures, descriptors: np.ndarray, around: np.ndarray, points: np.ndarray):
     """Features and map points whose descriptors are nearest to each other, and clearly so."""
     if not len(around) or not len(features):
         return np.empty(0, int), np.empty(0, int)
@@ -206,7 +206,7 @@ def _one_to_one(match: np.ndarray, distance: np.ndarray, around: np.ndarray):
     return match[hit], around[hit]
 
 
-def _track(number: int, estimate: pose.Pose, features: Features, chosen, ids, how: str) -> Track:
+def _track(number: int, estimate: pose.Pose, features: StereoFeatures, chosen, ids, how: str) -> Track:
     return Track(
         number, estimate.rig_from_world, estimate.covariance, ids, features.left[chosen], features.right[chosen],
         features.sigma[chosen], estimate.error, how=how,

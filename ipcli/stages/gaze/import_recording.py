@@ -13,7 +13,7 @@ from ipcli.stages.gaze.sources import open_source
 if TYPE_CHECKING:
     import numpy as np
 
-    from ipcli.measurements.recording import Recording
+    from ipcli.measurements.recording import HeadRecording
     from ipcli.stages.kit.artefact import Outcome
 
 
@@ -32,7 +32,7 @@ def run(source: Path, output: Path, params: ImportRecording, run: Run, progress:
     return make(Job(output, "recording", "import-recording", params, recording.files), build, run)
 
 
-def _encoded(recording: Recording, k: int, progress: Progress) -> dict[str, np.ndarray]:
+def _encoded(recording: HeadRecording, k: int, progress: Progress) -> dict[str, np.ndarray]:
     import numpy as np
 
     from ipcli.io.files.images import encode_png

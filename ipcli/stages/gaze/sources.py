@@ -10,7 +10,7 @@ from ipcli.errors import ParameterError
 from ipcli.params import option
 
 if TYPE_CHECKING:
-    from ipcli.measurements.recording import Recording
+    from ipcli.measurements.recording import HeadRecording
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Source:
     step: int = option(1, "Take every so many-th frame.", flag="--step", low=1)
 
 
-def open_source(path: Path, source: Source) -> Recording:
+def open_source(path: Path, source: Source) -> HeadRecording:
     """The recording with its gaze. Raises what io.gaze.layouts.open_recording and gaze_files.read_gaze raise."""
     from ipcli.io.gaze import layouts
     from ipcli.measurements.recording import window
@@ -48,7 +48,7 @@ def open_source(path: Path, source: Source) -> Recording:
     return found
 
 
-def _with_gaze(found: Recording, source: Source, beside: Path) -> Recording:
+def _with_gaze(found: HeadRecording, source: Source, beside: Path) -> HeadRecording:
     """Gaze of --gaze, else the recording's own, else of a gaze.csv in its folder."""
     from ipcli.io.gaze import gaze_files
 
@@ -69,7 +69,7 @@ def _with_gaze(found: Recording, source: Source, beside: Path) -> Recording:
     return replace(found, gaze=replace(gaze, pixels=pixels), files=(*found.files, *files))
 
 
-def _with_targets(found: Recording, folder: Path) -> Recording:
+def _with_targets(found: HeadRecording, folder: Path) -> HeadRecording:
     """Places of what was looked at, from a targets.csv in the folder: name, x, y, z in the frame of the truth."""
     from ipcli.io.gaze import gaze_files
 

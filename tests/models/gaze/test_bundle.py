@@ -4,23 +4,8 @@ import numpy as np
 import pytest
 
 from ipcli.geometry import lie
-from ipcli.geometry.rig import Rig
 from ipcli.models.gaze import bundle
-
-
-def stereo_rig(offset=0.0):
-    intrinsics = np.array([[[400.0, 0, 320], [0, 410.0, 240], [0, 0, 1]]] * 2)
-    right = np.eye(4)
-    right[:3, :3] = lie.exp(np.array([0.01, -0.02, 0.005]))
-    right[:3, 3] = [-0.12, 0.002, 0.001]
-    return Rig(
-        np.array([[640, 480]] * 2),
-        intrinsics,
-        ("pinhole",) * 2,
-        (np.zeros(0),) * 2,
-        np.stack([np.eye(4), right]),
-        offset,
-    )
+from tests.fixtures.gaze_rig import stereo_rig
 
 
 def scene(rng, frames=8, points=120, noise=0.0, offset=0.0, spread=0.3):
@@ -42,12 +27,12 @@ def scene(rng, frames=8, points=120, noise=0.0, offset=0.0, spread=0.3):
     free = np.ones(frames, bool)
     free[0] = False
     seen, pixels = np.concatenate(seen), np.concatenate(pixels)
-    return rig, bundle.Problem(poses, free, world, seen, pixels, np.ones(len(seen)))
+    return rig, bundle.BundleProblem(poses, free, world, seen, pixels, np.ones(len(seen)))
 
 
 def shaken(rng, problem, by=0.01):
     twists = rng.normal(0, by, (len(problem.poses), 6)) * problem.free[:, None]
-    return bundle.Problem(
+    return bundle.BundleProblem(
         lie.se3_exp(twists) @ problem.poses, problem.free, problem.points + rng.normal(0, 5 * by, problem.points.shape),
         problem.seen, problem.pixels, problem.sigma,
     )  # fmt: skip

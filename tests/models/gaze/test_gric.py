@@ -77,7 +77,7 @@ def test_the_sampson_rule_does_not_depend_on_the_sign_of_f_and_the_printed_one_h
     first, second = matches(np.random.default_rng(3), 6.2)
     found = gric.motion(first, second, 0.5)
     before, now = np.array([320.0, 240]), np.array([330.0, 290])
-    flipped = gric.Motion(-2 * found.fundamental, found.homography, found.score_f, found.score_h, 300, 1.0)
+    flipped = gric.FrameMotion(-2 * found.fundamental, found.homography, found.score_f, found.score_h, 300, 1.0)
     assert gric.change(found, before, now) == pytest.approx(gric.change(flipped, before, now))
     assert gric.change(found, before, now, "printed") == pytest.approx(gric.change(flipped, before, now, "printed"))
 

@@ -6,7 +6,7 @@ import pytest
 from ipcli.geometry import lie
 from ipcli.models.gaze import pose
 from ipcli.models.gaze.parameters import Tracking
-from tests.models.gaze.test_bundle import stereo_rig
+from tests.fixtures.gaze_rig import stereo_rig
 
 TRUE = lie.se3_exp(np.array([0.1, -0.2, 0.05, 0.3, -0.1, 0.2]))
 

@@ -8,7 +8,7 @@ from ipcli.measurements.recording import Gaze
 from ipcli.models.gaze import fixations, regard
 from ipcli.models.gaze.parameters import Looking
 from ipcli.models.gaze.surface import Surface
-from tests.models.gaze.test_bundle import stereo_rig
+from tests.fixtures.gaze_rig import stereo_rig
 
 K = np.array([[400.0, 0, 320], [0, 400, 240], [0, 0, 1]])
 

@@ -63,10 +63,7 @@ def test_the_page_says_what_there_is_and_loads_nothing(made):
         assert words in html
     assert "<script" not in html
     assert "http" not in html.replace("http://www.w3.org", "")
-    assert (
-        "PointCloud" in made.with_suffix(".turn.html").read_text()
-        or made.with_suffix(".turn.html").stat().st_size > 1e5
-    )
+    assert made.with_suffix(".turn.html").stat().st_size > 1e5
 
 
 def test_a_second_run_is_up_to_date(made, folder, capsys):
