@@ -153,7 +153,7 @@ def _gaze(rng, times: np.ndarray, looked_at: np.ndarray, pose_at, course: Course
         off = lie.exp(turn[0] * side + turn[1] * np.cross(ray, side)) @ ray
         ideal = off[:2] / off[2]
         pixels[n] = lens.pixels_of(lens.distort(camera.model, camera.distortion, ideal), camera.intrinsics)
-    inside = np.logical_and(pixels > 0, pixels < np.array(camera.size) - 1).all(axis=1)
+    inside = np.asarray(np.logical_and(pixels > 0, pixels < np.array(camera.size) - 1).all(axis=1))
     return Gaze(times, pixels, inside, labels=np.array(NAMES)[looked_at], source="generated")
 
 
@@ -273,3 +273,19 @@ def _write_sensor(path: Path, camera: Camera) -> None:
         f"distortion_coefficients: [{', '.join(f'{value:.9g}' for value in camera.distortion)}]",
     ]
     atomic.write_text(path, "\n".join(lines) + "\n")
+
+
+def main() -> None:
+    """`python -m experiments.gaze.room --seed 1 FOLDER`."""
+    import argparse
+
+    parser = argparse.ArgumentParser(description="Write a generated room as an EuRoC folder with gaze and targets.")
+    parser.add_argument("folder", type=Path)
+    for name, default in (("seed", 1), ("frames", 120), ("width", 640), ("height", 480)):
+        parser.add_argument(f"--{name}", type=int, default=default)
+    given = parser.parse_args()
+    write_euroc(walk(Course(given.frames, width=given.width, height=given.height), given.seed), given.folder)
+
+
+if __name__ == "__main__":
+    main()

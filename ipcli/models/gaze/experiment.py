@@ -138,13 +138,13 @@ def rig_arrays(cameras: tuple[Camera, ...]) -> Arrays:
 
 def gaze_arrays(gaze: Gaze) -> Arrays:
     """The gaze as it was recorded."""
-    arrays = {
+    arrays: Arrays = {
         "gaze/times": gaze.times.astype(np.float64),
         "gaze/pixels": gaze.pixels.astype(np.float64),
         "gaze/valid": gaze.valid.astype(np.uint8),
     }
     for name in ("directions", "origins", "labels"):
-        value: np.ndarray | None = getattr(gaze, name)
+        value = getattr(gaze, name)
         if value is not None:
             arrays[f"gaze/{name}"] = value
     return arrays

@@ -54,7 +54,17 @@ def localise(
     path = _pass(recording, rig, p, seed, lambda share, what: tell(0.9 * share, what), look)
     if not p.global_ba or len(path.scene.frames) < 2:
         return path
-    return _settle(path, p, tell)
+    _adjust(path, p, tell)
+    offset = None
+    if rig.is_stereo and p.self_calibrate != "off":
+        tell(0.94, "testing the disparities")
+        offset = adjustment.estimate_offset(path.scene, rig, p.mapping)
+        if np.isfinite(offset.value) and (p.self_calibrate == "on" or offset.is_certain):
+            path = _pass(
+                recording, replace(rig, offset=offset.value), p, seed, lambda share, what: tell(0.95, what), look
+            )
+            _adjust(path, p, tell)
+    return _settle(path, p, offset, tell)
 
 
 def _pass(recording: HeadRecording, rig: Rig, p: Localisation, seed: int, tell: Progress, look: Look | None) -> Path:
@@ -81,8 +91,8 @@ def album_of(recording: HeadRecording, rig: Rig, p: Localisation, seed: int) -> 
     )
 
 
-def _settle(path: Path, p: Localisation, tell: Progress) -> Path:
-    """The global adjustment, with the offset of the right camera where it is proven, and all frames after it."""
+def _adjust(path: Path, p: Localisation, tell: Progress) -> None:
+    """Everything together, points matched anew in between."""
     scene, rig = path.scene, path.rig
     tell(0.9, "adjusting everything")
     adjustment.everything(scene, rig, p.mapping)
@@ -91,32 +101,15 @@ def _settle(path: Path, p: Localisation, tell: Progress) -> Path:
         adjustment.match_anew(scene, rig)
         adjustment.everything(scene, rig, p.mapping)
     adjustment.drop_outliers(scene, rig, p.tracking.error)
-    offset = None
-    if rig.is_stereo and p.self_calibrate != "off":
-        tell(0.95, "testing the disparities")
-        offset = adjustment.estimate_offset(scene, rig, p.mapping)
-        if np.isfinite(offset.value) and (p.self_calibrate == "on" or offset.is_certain):
-            rig = shift(scene, rig, offset.value)
-            adjustment.everything(scene, rig, p.mapping)
-    solution = adjustment.everything(scene, rig, p.mapping, with_covariance=True)
+
+
+def _settle(path: Path, p: Localisation, offset: Offset | None, tell: Progress) -> Path:
+    """A last adjustment, for the covariances, and the frames that are no part of the map after it."""
+    solution = adjustment.everything(path.scene, path.rig, p.mapping, with_covariance=True)
     tell(0.98, "placing the other frames")
     for track in path.tracks:
-        _replace(track, scene, rig, p, solution.covariance)
-    return Path(rig, path.tracks, scene, path.online, offset, True)
-
-
-def shift(scene: SceneMap, rig: Rig, offset: float) -> Rig:
-    """The rig with its right camera's principal point moved; the map's sightings and lone points follow."""
-    moved = replace(rig, offset=rig.offset + offset)
-    for frame in scene.frames:
-        seen = frame.features
-        right = seen.right - np.array([offset, 0.0])
-        points = moved.triangulated(moved.rectified(0, seen.left), moved.rectified(1, right))
-        frame.features = replace(seen, right=right, points=points)
-        alone = [k for k in np.flatnonzero(frame.ids != NONE) if len(scene.observers[frame.ids[k]]) == 1]
-        alone = [k for k in alone if np.isfinite(points[k]).all()]
-        scene.points[frame.ids[alone]] = (points[alone] - frame.pose[:3, 3]) @ frame.pose[:3, :3]
-    return moved
+        _replace(track, path.scene, path.rig, p, solution.covariance)
+    return Path(path.rig, path.tracks, path.scene, path.online, offset, True)
 
 
 def _replace(track: Track, scene: SceneMap, rig: Rig, p: Localisation, covariance: np.ndarray | None) -> None:
@@ -129,7 +122,6 @@ def _replace(track: Track, scene: SceneMap, rig: Rig, p: Localisation, covarianc
         if covariance is not None:
             track.covariance = covariance[track.position]
         return
-    right = track.right - np.array([rig.offset, 0.0])
-    seen = pose.Sightings(scene.points[track.ids], track.left, right, track.sigma)
+    seen = pose.Sightings(scene.points[track.ids], track.left, track.right, track.sigma)
     again = pose.refine(rig, track.pose, seen, cut=p.tracking.error)
     track.pose, track.covariance, track.error = again.rig_from_world, again.covariance, again.error
