@@ -29,10 +29,8 @@ class WithCheck(click.Command):
 
 
 @click.command("gaze-sfm", cls=WithCheck)
-@click.argument("recording", type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), required=True, help="Experiment to write, such as run.h5."
-)
+@click.argument("recording", type=options.PATH)
+@options.output("Experiment to write, such as run.h5.")
 @options.parameters(GazeSfm)
 @options.common
 def main(recording: Path, output: Path, params: GazeSfm, run: Run) -> None:
@@ -58,7 +56,7 @@ def main(recording: Path, output: Path, params: GazeSfm, run: Run) -> None:
 
 
 @click.command("check")
-@click.argument("recording", type=click.Path(path_type=Path))
+@click.argument("recording", type=options.PATH)
 @options.parameters(Check)
 @options.reading
 def check(recording: Path, params: Check, run: Run) -> None:

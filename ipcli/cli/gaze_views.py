@@ -12,9 +12,9 @@ from ipcli.stages.gaze.parameters import GazeViews
 
 
 @click.command("gaze-views")
-@click.argument("recording", type=click.Path(path_type=Path))
-@click.argument("experiment", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Views artefact to write.")
+@click.argument("recording", type=options.PATH)
+@click.argument("experiment", type=options.PATH)
+@options.output("Views artefact to write.")
 @options.parameters(GazeViews)
 @options.common
 def main(recording: Path, experiment: Path, output: Path, params: GazeViews, run: Run) -> None:

@@ -12,8 +12,8 @@ from ipcli.stages.gaze.parameters import ImportRecording
 
 
 @click.command("import-recording")
-@click.argument("recording", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Recording artefact to write.")
+@click.argument("recording", type=options.PATH)
+@options.output("Recording artefact to write.")
 @options.parameters(ImportRecording)
 @options.common
 def main(recording: Path, output: Path, params: ImportRecording, run: Run) -> None:
