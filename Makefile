@@ -14,11 +14,12 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --num
 .DELETE_ON_ERROR:
 
 demo: $(INSTALLED)
+	$(BIN)/gaze-sfm sample_data/room --gaze-sigma 0.71 -o $(DEMO)/room.gaze.h5
 	$(BIN)/fuse-depth sample_data/shapes --reference 005 -o $(DEMO)/shapes.fused.h5
 	$(BIN)/mocap-train sample_data/motions --actors ann,bob $(FEW_SWEEPS) -o $(DEMO)/motions.model.h5
 	$(BIN)/mocap-classify $(DEMO)/motions.model.h5 sample_data/motions --actors eve -o $(DEMO)/motions.recognition.h5
-	@echo "Open in a browser: a fused depth map, behaviours of people, and the actions of somebody who was not learnt from"
-	@for page in shapes.fused motions.model motions.recognition; do echo "  $(CURDIR)/$(DEMO)/$$page.html"; done
+	@echo "Open in a browser: where somebody walked and looked, a fused depth map, behaviours of people, and the actions of somebody who was not learnt from"
+	@for page in room.gaze shapes.fused motions.model motions.recognition; do echo "  $(CURDIR)/$(DEMO)/$$page.html"; done
 
 test: $(INSTALLED)
 	$(PYTEST)

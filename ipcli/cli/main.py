@@ -30,6 +30,11 @@ class Command(NamedTuple):
 
 
 SECTIONS = {
+    "Gaze localisation": {
+        "gaze-sfm": Command("Find where the wearer was and what they looked at.", is_script=True),
+        "import-recording": Command("Turn a head-mounted recording into one file."),
+        "gaze-views": Command("Make views for fuse-depth of a localised recording."),
+    },
     "Depth fusion": {
         "fuse-depth": Command("Fuse depth maps of several views into one.", is_script=True),
         "merge-depth": Command("Join fused depth maps into one coloured cloud."),

@@ -145,6 +145,159 @@ def _from_x(c: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     return rotation
 
 
+def hat(vectors: np.ndarray) -> np.ndarray:
+    """Skew matrices (..., 3, 3) of vectors (..., 3): hat(a) b = a x b (2.57)."""
+    x, y, z = np.moveaxis(np.asarray(vectors, np.float64), -1, 0)
+    zero = np.zeros_like(x)
+    rows = ((zero, -z, y), (z, zero, -x), (-y, x, zero))
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def vee(matrices: np.ndarray) -> np.ndarray:
+    """Vectors (..., 3) of skew matrices (2.59); of any other matrix, those of its skew part."""
+    m = np.asarray(matrices, np.float64)
+    parts = (m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1])
+    return 0.5 * np.stack(parts, axis=-1)
+
+
+def left_jacobian(vectors: np.ndarray) -> np.ndarray:
+    """J_l (..., 3, 3) of SO(3): exp(v + dv) = exp(J_l dv) exp(v) to first order. It is V of the screw motion too."""
+    a, b = _coefficients(vectors)
+    skew = hat(vectors)
+    return np.eye(3) + a[..., None, None] * skew + b[..., None, None] * (skew @ skew)
+
+
+def left_jacobian_inverse(vectors: np.ndarray) -> np.ndarray:
+    """Inverse of `left_jacobian`, for angles below 2 pi."""
+    angle = np.linalg.norm(np.asarray(vectors, np.float64), axis=-1)
+    half = np.where(angle > 1e-4, angle, 1.0) / 2
+    c = np.where(angle > 1e-4, (1 - half / np.tan(half)) / (4 * half**2), 1 / 12 + angle**2 / 720)
+    skew = hat(vectors)
+    return np.eye(3) - 0.5 * skew + c[..., None, None] * (skew @ skew)
+
+
+def _coefficients(vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(1 - cos a) / a^2 and (a - sin a) / a^3, by their series where a is small."""
+    angle = np.linalg.norm(np.asarray(vectors, np.float64), axis=-1)
+    small = angle < 1e-2
+    a = np.where(small, 1.0, angle)
+    square = angle**2
+    first = np.where(small, 0.5 - square / 24 + square**2 / 720, (1 - np.cos(a)) / a**2)
+    second = np.where(small, 1 / 6 - square / 120 + square**2 / 5040, (a - np.sin(a)) / a**3)
+    return first, second
+
+
+def se3_exp(twists: np.ndarray) -> np.ndarray:
+    """Rigid motions (..., 4, 4) of twists (..., 6) = (omega, v): the matrix exponential (2.62) in closed form."""
+    twists = np.asarray(twists, np.float64)
+    motion = np.zeros((*twists.shape[:-1], 4, 4))
+    motion[..., :3, :3] = exp(twists[..., :3])
+    motion[..., :3, 3] = np.einsum("...ij,...j->...i", left_jacobian(twists[..., :3]), twists[..., 3:])
+    motion[..., 3, 3] = 1.0
+    return motion
+
+
+def se3_log(motions: np.ndarray) -> np.ndarray:
+    """Twists (..., 6) of rigid motions (..., 4, 4); inverse of `se3_exp` for rotations below pi (2.66)."""
+    omega = log(motions[..., :3, :3])
+    v = np.einsum("...ij,...j->...i", left_jacobian_inverse(omega), motions[..., :3, 3])
+    return np.concatenate([omega, v], axis=-1)
+
+
+def se3_inverse(motions: np.ndarray) -> np.ndarray:
+    """Inverse rigid motions (..., 4, 4), without a solver."""
+    back = np.zeros_like(np.asarray(motions, np.float64))
+    back[..., :3, :3] = np.swapaxes(motions[..., :3, :3], -1, -2)
+    back[..., :3, 3] = -np.einsum("...ji,...j->...i", motions[..., :3, :3], motions[..., :3, 3])
+    back[..., 3, 3] = 1.0
+    return back
+
+
+def se3_adjoint(motions: np.ndarray) -> np.ndarray:
+    """Ad (..., 6, 6): T exp(xi) T^-1 = exp(Ad xi) for twists (omega, v)."""
+    turn = np.asarray(motions, np.float64)[..., :3, :3]
+    adjoint = np.zeros((*turn.shape[:-2], 6, 6))
+    adjoint[..., :3, :3] = adjoint[..., 3:, 3:] = turn
+    adjoint[..., 3:, :3] = hat(motions[..., :3, 3]) @ turn
+    return adjoint
+
+
+def se3_interpolate(first: np.ndarray, second: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Motions (..., 4, 4) along the screw from `first` (share 0) to `second` (share 1)."""
+    return first @ se3_exp(np.asarray(share)[..., None] * se3_log(se3_inverse(first) @ second))
+
+
+def se3_karcher_mean(motions: np.ndarray, *, tolerance: float = 1e-12, iterations: int = 100) -> np.ndarray:
+    """The motion (..., 4, 4) where the screw logarithms of a set (..., n, 4, 4) sum to zero.
+
+    The group mean of Pennec and Arsigny (2012), equivariant under motions from both sides, unlike `product_mean`, which
+    is what a metric gives. Rotations must lie within a ball of radius below pi/2.
+    """
+    mean = np.array(motions[..., 0, :, :], np.float64)
+    for _ in range(iterations):
+        step = se3_log(se3_inverse(mean)[..., None, :, :] @ motions).mean(axis=-2)
+        mean = mean @ se3_exp(step)
+        if np.abs(step).max(initial=0.0) < tolerance:
+            break
+    return mean
+
+
+def sim3_exp(twists: np.ndarray) -> np.ndarray:
+    """Similarities (..., 4, 4) of (omega, v, sigma) (..., 7), the scale being exp(sigma)."""
+    return _expm(_sim3_algebra(np.asarray(twists, np.float64)))
+
+
+def sim3_log(similarities: np.ndarray) -> np.ndarray:
+    """(omega, v, sigma) (..., 7) of similarities (..., 4, 4); inverse of `sim3_exp` for rotations below pi."""
+    m = np.asarray(similarities, np.float64)
+    sigma = np.log(np.linalg.det(m[..., :3, :3])) / 3
+    omega = log(m[..., :3, :3] / np.exp(sigma)[..., None, None])
+    algebra = sigma[..., None, None] * np.eye(3) + hat(omega)
+    v = np.linalg.solve(_phi(algebra), m[..., :3, 3, None])[..., 0]
+    return np.concatenate([omega, v, sigma[..., None]], axis=-1)
+
+
+def _sim3_algebra(twists: np.ndarray) -> np.ndarray:
+    algebra = np.zeros((*twists.shape[:-1], 4, 4))
+    algebra[..., :3, :3] = hat(twists[..., :3]) + twists[..., 6, None, None] * np.eye(3)
+    algebra[..., :3, 3] = twists[..., 3:6]
+    return algebra
+
+
+def _phi(algebra: np.ndarray) -> np.ndarray:
+    """The integral of exp(s A) over s from 0 to 1, read off the exponential of [A I; 0 0]."""
+    doubled = np.zeros((*algebra.shape[:-2], 6, 6))
+    doubled[..., :3, :3], doubled[..., :3, 3:] = algebra, np.eye(3)
+    return _expm(doubled)[..., :3, 3:]
+
+
+def affine_exp(algebra: np.ndarray) -> np.ndarray:
+    """Affine maps (..., n + 1, n + 1) of their algebra: any matrix whose last row is zero."""
+    return _expm(np.asarray(algebra, np.float64))
+
+
+def affine_log(maps: np.ndarray) -> np.ndarray:
+    """Inverse of `affine_exp`: the principal logarithm. NaN for maps that have none that is real (negative
+    eigenvalues).
+    """
+    from scipy.linalg import logm
+
+    maps = np.asarray(maps, np.float64)
+    flat = maps.reshape(-1, *maps.shape[-2:])
+    logs = np.full(flat.shape, np.nan)
+    for index, matrix in enumerate(flat):
+        values = np.linalg.eigvals(matrix) if np.isfinite(matrix).all() else np.array([-1.0])
+        if not ((np.abs(values.imag) < 1e-12) & (values.real <= 0)).any():
+            logs[index] = np.real(logm(matrix))
+    return logs.reshape(maps.shape)
+
+
+def _expm(matrices: np.ndarray) -> np.ndarray:
+    from scipy.linalg import expm
+
+    return expm(matrices)
+
+
 def _log(rotations: np.ndarray) -> np.ndarray:
     from scipy.spatial.transform import Rotation
 

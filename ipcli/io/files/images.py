@@ -71,7 +71,7 @@ def _stored(path: Path) -> np.ndarray:
     if suffix == ".pfm":
         return _pfm(path, data)
     if suffix in DEPTH_SUFFIXES:
-        return _decoded(path, data, as_colour=False)
+        return decoded(path, data, as_colour=False)
     raise FormatError(path, "not a depth file", expected=" ".join(DEPTH_SUFFIXES), got=suffix or "no suffix")
 
 
@@ -112,10 +112,11 @@ def _pfm(path: Path, data: bytes) -> np.ndarray:
 def read_image(path: Path) -> np.ndarray:
     """Colours (h, w, 3) uint8 RGB of any image OpenCV reads; grey is repeated, alpha dropped. FormatError otherwise."""
     path = Path(path)
-    return _decoded(path, _bytes(path), as_colour=True)
+    return decoded(path, _bytes(path), as_colour=True)
 
 
-def _decoded(path: Path, data: bytes, as_colour: bool) -> np.ndarray:
+def decoded(path: Path, data: bytes, as_colour: bool) -> np.ndarray:
+    """The pixels of the bytes of an image file, RGB (h, w, 3) uint8 or as they are stored; FormatError names `path`."""
     import cv2
 
     if (data.startswith(PNG) and not _whole_png(data)) or (data.startswith(JPEG) and not _whole_jpeg(data)):

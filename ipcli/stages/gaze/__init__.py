@@ -1,0 +1,1 @@
+"""Stages of the gaze commands (thesis section 3.2)."""

@@ -1,0 +1,43 @@
+"""Options of the gaze commands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ipcli.models.gaze.parameters import Localisation
+from ipcli.params import option
+from ipcli.stages.gaze.sources import Source
+
+
+@dataclass(frozen=True)
+class GazeSfm:
+    """What gaze-sfm takes."""
+
+    poses_only: bool = option(False, "Only the head's path: no points of regard, no gaze.", flag="--poses-only")
+    localisation: Localisation = field(default_factory=Localisation)
+    source: Source = field(default_factory=Source)
+
+
+@dataclass(frozen=True)
+class Check:
+    """What gaze-sfm check takes."""
+
+    pairs: int = option(12, "Pairs to look at, spread over the recording.", flag="--pairs", low=2)
+    localisation: Localisation = field(default_factory=Localisation)
+    source: Source = field(default_factory=Source)
+
+
+@dataclass(frozen=True)
+class ImportRecording:
+    """What import-recording takes."""
+
+    source: Source = field(default_factory=Source)
+
+
+@dataclass(frozen=True)
+class GazeViews:
+    """What gaze-views takes."""
+
+    every: int = option(1, "Take every so many-th frame of the map.", flag="--every", low=1)
+    disparity_sigma: float = option(0.4, "Error of a disparity, for its confidence.", low=0.01, unit="px")
+    source: Source = field(default_factory=Source)

@@ -1,0 +1,103 @@
+"""The gaze commands on a small generated folder: what they write, and that other programs read it."""
+
+import json
+
+import numpy as np
+import pytest
+
+from experiments.gaze import room
+from ipcli.cli.main import main
+from ipcli.io.files import h5, ply
+from ipcli.io.gaze import layouts
+
+COURSE = room.Course(frames=8, width=320, height=240, gaze_rate=45.0)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("room")
+    room.write_euroc(room.walk(COURSE, 2), place)
+    return place
+
+
+@pytest.fixture(scope="module")
+def made(folder, tmp_path_factory):
+    output = tmp_path_factory.mktemp("out") / "run.h5"
+    assert main(["gaze-sfm", str(folder), "-o", str(output), "--gaze-sigma", "0.71"]) == 0
+    return output
+
+
+def test_the_artefact_holds_the_experiment_and_its_accuracy(made):
+    a = h5.read(made, "gaze-experiment").arrays
+    assert not a["lost"].any()
+    assert a["accuracy/path"][0] < 0.01
+    assert (a["por/outcome"] == "hit").mean() > 0.8
+    assert a["accuracy/regards"].sum() == (a["por/outcome"] == "hit").sum()
+
+
+def test_pycolmap_opens_the_model_and_its_points_project_where_they_were_seen(made, tmp_path):
+    pycolmap = pytest.importorskip("pycolmap")
+    for name in ("cameras", "images", "points3D"):
+        (tmp_path / f"{name}.txt").write_text(made.with_suffix(f".{name}.txt").read_text())
+    model = pycolmap.Reconstruction(str(tmp_path))
+    assert len(model.images) == 2 * COURSE.frames
+    model.update_point_3d_errors()
+    errors = np.array([point.error for point in model.points3D.values()])
+    assert np.median(errors) < 1.0  # pixels
+
+
+def test_the_csv_has_a_line_a_sample_and_the_cloud_all_its_parts(made):
+    a = h5.read(made, "gaze-experiment").arrays
+    lines = made.with_suffix(".por.csv").read_text().splitlines()
+    assert len(lines) == 1 + len(a["gaze/times"])
+    hit = int(np.flatnonzero(a["por/outcome"] == "hit")[0])
+    cells = lines[1 + hit].split(",")
+    assert np.allclose([float(cell) for cell in cells[2:5]], a["por/points"][hit], atol=1e-4)
+    cloud = ply.read(made.with_suffix(".ply"))
+    assert set(np.unique(cloud.extra["part"])) == {0, 1, 2, 3}
+
+
+def test_the_page_says_what_there_is_and_loads_nothing(made):
+    html = made.with_suffix(".html").read_text()
+    for words in ("Path and map", "Panorama", "Coherent subsequences", "Accuracy", "truth in 68 % region"):
+        assert words in html
+    assert "<script" not in html
+    assert "http" not in html.replace("http://www.w3.org", "")
+    assert made.with_suffix(".turn.html").stat().st_size > 1e5
+
+
+def test_a_second_run_is_up_to_date(made, folder, capsys):
+    before = made.stat().st_mtime_ns
+    assert main(["gaze-sfm", str(folder), "-o", str(made), "--gaze-sigma", "0.71"]) == 0
+    assert "up to date" in capsys.readouterr().err
+    assert made.stat().st_mtime_ns == before
+
+
+def test_an_imported_recording_gives_the_same_poses(folder, made, tmp_path, capsys):
+    one = tmp_path / "one.h5"
+    assert main(["import-recording", str(folder), "-o", str(one)]) == 0
+    found, given = layouts.open_recording(one), layouts.open_recording(folder)
+    assert (found.load(3).right == given.load(3).right).all()
+    again = tmp_path / "again.h5"
+    assert main(["gaze-sfm", str(one), "-o", str(again), "--gaze-sigma", "0.71", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert facts["frames"] == COURSE.frames
+    a, b = (h5.read(path, "gaze-experiment").arrays for path in (made, again))
+    assert (a["world_from_rig"] == b["world_from_rig"]).all()
+
+
+def test_views_of_the_map_lie_on_the_true_surface(folder, made, tmp_path):
+    output = tmp_path / "run.views.h5"
+    assert main(["gaze-views", str(folder), str(made), "-o", str(output)]) == 0
+    a = h5.read(output, "views").arrays
+    depth = next(value for name, value in sorted(a.items()) if name.endswith("/depth"))
+    known = np.isfinite(depth)
+    assert known.mean() > 0.5
+    assert 1.0 < np.median(depth[known]) < 4.5
+
+
+def test_check_prints_figures_and_warnings(folder, capsys):
+    assert main(["gaze-sfm", "check", str(folder), "--pairs", "3"]) == 0
+    out = capsys.readouterr().out
+    assert "vertical disparity [px]" in out
+    assert "gaze inside the picture" in out
