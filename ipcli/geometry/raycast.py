@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipcli.geometry import open3d
 from ipcli.geometry.cameras import rays
 
 DISTANCE = 3.0  # of the orbiting camera from the centre of an object of radius 1
@@ -29,8 +30,6 @@ class Caster:
     """A mesh ready for any number of views. The tree it builds holds float32: bring the mesh near the origin first."""
 
     def __init__(self, mesh: Mesh) -> None:
-        from ipcli.geometry import open3d
-
         self._core = open3d.load().core
         self._scene = open3d.load().t.geometry.RaycastingScene()
         self._scene.add_triangles(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ipcli import threads
 from ipcli.geometry.cameras import rays
+from ipcli.kernels import surface as kernels
 
 
 def normals(depth: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
@@ -14,9 +16,6 @@ def normals(depth: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
     From central differences of the points; one-sided at the border, beside a gap, and where one side is more than twice
     as long as the other, so that normals do not smear over an edge.
     """
-    from ipcli import threads
-    from ipcli.kernels import surface as kernels
-
     out = np.empty((*depth.shape, 3), np.float32)
     inverse = np.linalg.inv(intrinsics)
     threads.each(lambda rows: kernels.normals(out, depth, inverse, *rows), threads.blocks(depth.shape[0]))

@@ -1,3 +1,5 @@
+"""Figures of errors summed up, by their definitions."""
+
 import numpy as np
 import pytest
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
+from ipcli.io.files.images import read_image
 
 IMAGES = (".png", ".jpg", ".jpeg")
 
@@ -137,8 +138,6 @@ def image_at(path: Path | None, shape: tuple[int, int]) -> np.ndarray | None:
     """
     if path is None:
         return None
-    from ipcli.io.files.images import read_image
-
     image = read_image(path)
     (height, width), (rows, columns) = shape, image.shape[:2]
     if (rows, columns) == (height, width):

@@ -23,6 +23,7 @@ import numpy as np
 
 from ipcli.errors import FormatError, ParameterError, nearest
 from ipcli.io.files import text
+from ipcli.io.files.images import read_depth, read_image
 from ipcli.measurements.views import View, Views, check_view
 
 DEPTHS = (".png", ".pfm", ".npy", ".tif", ".tiff")
@@ -110,16 +111,12 @@ def _view(
 
 def _metric(path: Path, manifest: Manifest) -> np.ndarray:
     """Depth (h, w) in the unit of the scene, from a file of depth or disparity."""
-    from ipcli.io.files.images import read_depth
-
     values = read_depth(path, manifest.depth_scale)
     return (manifest.baseline_focal / values).astype(np.float32) if manifest.measured == "disparity" else values
 
 
 def _confidence(path: Path) -> np.ndarray:
     """Confidence (h, w) in [0, inf): integers of an image span [0, 1], and what is missing counts as 0."""
-    from ipcli.io.files.images import read_depth, read_image
-
     if path.suffix.lower() == ".png":
         return read_image(path)[..., 0].astype(np.float32) / 255
     return np.nan_to_num(read_depth(path, None), nan=0.0)

@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError
+from ipcli.io.files import npz
+from ipcli.io.files.images import read_depth, read_image
 from ipcli.io.files.text import comment_free, numbers, require_folder
 
 TRUTH_FRAME = "10"  # the only frame of a scene with ground truth
@@ -89,8 +91,6 @@ def truth_file(folder: Path, scene: str, occluded: bool) -> Path:
 
 def pair(folder: Path, scene: str, frame: str) -> tuple[np.ndarray, np.ndarray]:
     """Left and right image, (h, w, 3) uint8 each."""
-    from ipcli.io.files.images import read_image
-
     left, right = (read_image(path) for path in pair_files(folder, scene, frame))
     if left.shape != right.shape:
         raise FormatError(
@@ -105,8 +105,6 @@ def pair(folder: Path, scene: str, frame: str) -> tuple[np.ndarray, np.ndarray]:
 
 def truth(folder: Path, scene: str, occluded: bool = False) -> np.ndarray:
     """True disparity (h, w) float32 in pixels of frame 10 of the left camera, NaN where the LIDAR saw nothing."""
-    from ipcli.io.files.images import read_depth
-
     return read_depth(truth_file(folder, scene, occluded), DISPARITY_SCALE)
 
 
@@ -164,8 +162,6 @@ def poses(path: Path, scene: str, method: str = "viso") -> dict[str, np.ndarray]
 
 
 def _poses_npz(path: Path, scene: str, method: str) -> np.ndarray:
-    from ipcli.io.files import npz
-
     arrays = npz.read(path)
     if method not in arrays:
         raise FormatError(

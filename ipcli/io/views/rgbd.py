@@ -12,6 +12,7 @@ import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
 from ipcli.io.files import text
+from ipcli.io.files.images import read_depth
 from ipcli.measurements.views import View, Views, check_view
 
 PRIMESENSE = (525.0, 525.0, 319.5, 239.5)  # also the default of ROS, for 640 x 480
@@ -133,8 +134,6 @@ def _sequence(folder: Path, frames: Mapping[str, _Frame], intrinsics: np.ndarray
         raise ParameterError(f"{folder}: depth_scale = {depth_scale!r}: expected a number > 0")
 
     def load(name: str, pictures: bool = True) -> View:
-        from ipcli.io.files.images import read_depth
-
         frame = frames[name]
         depth = read_depth(frame.depth, depth_scale)
         world_from_cam = text.read_matrix(frame.pose, (4, 4)) if frame.world_from_cam is None else frame.world_from_cam
@@ -235,8 +234,6 @@ def _matched(folder: Path, depths: Mapping[str, Path], poses: Mapping[int, np.nd
 
 
 def _require_vga(path: Path) -> None:
-    from ipcli.io.files.images import read_depth
-
     height, width = read_depth(path, MILLIMETRES).shape
     if (width, height) != (640, 480):
         raise ParameterError(

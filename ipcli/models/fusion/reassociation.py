@@ -13,7 +13,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ipcli import threads
 from ipcli.geometry.surface import normals
+from ipcli.kernels import reproject as kernels
 from ipcli.measurements.views import View, relative
 from ipcli.models.fusion.observations import Units
 from ipcli.models.fusion.reprojection import Layers
@@ -32,8 +34,6 @@ def reassociate(
     observation stays: it does not rest on the map, and so holds against a map that is wrong, as beside an occlusion. In
     place, the forward projected layers are lost.
     """
-    from ipcli import threads
-
     facing = normals(depth, reference.intrinsics)
     layers = forward if in_place else forward.copy()
 
@@ -58,8 +58,6 @@ def look_up(
     the observation is q(x) + (q(d_k) - q(z)) dq(x) / dq(z), the derivative at a fixed ray of the reference camera. The
     tangent plane is not believed where it is seen at a grazing angle or moves the depth by too much.
     """
-    from ipcli.kernels import reproject as kernels
-
     observed, source = np.empty(depth.shape, np.float32), np.zeros(depth.shape, np.intp)
     inverses = np.stack([np.linalg.inv(reference.intrinsics), np.linalg.inv(view.intrinsics)])
     motion, reach = np.ascontiguousarray(relative(view, reference)), GATE * units.scale

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipcli import threads
+from ipcli.kernels import reproject as kernels
 from ipcli.measurements.views import View, relative
 
 
@@ -28,8 +30,6 @@ def reproject(view: View, reference: View) -> tuple[np.ndarray, np.ndarray | Non
     Every valid pixel goes to the pixel of the reference camera that it is nearest to, and there the nearest surface
     wins. A missing depth projects nowhere (in the thesis' code it became a false near point at the epipole).
     """
-    from ipcli.kernels import reproject as kernels
-
     shape = reference.depth.shape
     depth = np.full(shape, np.inf, np.float32)
     source = np.zeros(shape, np.intp)
@@ -53,8 +53,6 @@ def reproject_all(views: Sequence[View], reference: View) -> Layers:
     """All views in the reference camera; a view without given confidence counts as confidence 1 beside others that have
     one.
     """
-    from ipcli import threads
-
     depth = np.empty((len(views), *reference.depth.shape), np.float32)
 
     def one(k: int) -> np.ndarray | None:

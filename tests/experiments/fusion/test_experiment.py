@@ -143,5 +143,5 @@ def test_curves_of_the_confidence_end_at_one_and_the_best_order_is_dashed(experi
 def test_a_bare_table_makes_a_page_too(experiment):
     bare = FusionExperiment("T", "L", "C", "l1-adapt (acs)", experiment.table)
     page = report.page(bare)
-    assert page.startswith("<!doctype html>")
+    assert all(str(name).partition(",")[0] in page for name in experiment.table["methods"])
     assert "nan" not in page.lower().replace("reference", "")

@@ -10,7 +10,7 @@ from ipcli.errors import NoSolution
 from ipcli.geometry.cameras import rays
 from ipcli.geometry.surface import normals
 from ipcli.inverse.regularize.fidelity import Observations
-from ipcli.inverse.regularize.parameters import Solver
+from ipcli.inverse.regularize.parameters import Regulariser, Solver
 from ipcli.models.fusion.confidence import LEAST, view_angle
 from ipcli.models.fusion.fuse import balanced_lambda, fuse, fuse_layers
 from ipcli.models.fusion.metrics import ause, normal_error
@@ -233,11 +233,15 @@ def test_the_automatic_lambda_makes_the_scale_of_given_confidences_mean_nothing(
     assert np.quantile(np.abs(one.depth - other.depth), 0.99) < 0.1 * one.noise_scale
 
 
-@pytest.mark.parametrize(("inverse", "share"), [(False, 0.5), (True, 0.9)], ids=["depth", "disparity"])
+# alpha0 = 3, the default, serves disparities of real scenes: in this one the confidence then errs less, not the
+# uncertainty more (measured shares .33 and .83, and .34 and .58 at alpha0 = 2).
+@pytest.mark.parametrize(
+    ("inverse", "alpha0", "share"), [(False, 3.0, 0.4), (True, 3.0, 0.85), (False, 2.0, 0.4), (True, 2.0, 0.65)]
+)
 def test_the_uncertainty_orders_the_errors_better_than_the_confidence_does_and_about_as_the_angle_in_a_smooth_scene(
-    inverse, share
+    inverse, alpha0, share
 ):
-    result, reference = fused(views(), inverse), views()[2]
+    result, reference = fused(views(), inverse, regulariser=Regulariser(alpha0=alpha0)), views()[2]
     error = np.where(result.observations > 0, result.depth, np.nan) - reference.truth
     angle = view_angle(result.depth, reference.intrinsics)
     own = ause(-result.uncertainty, error)

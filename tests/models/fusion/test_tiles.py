@@ -9,7 +9,7 @@ from ipcli.errors import NoSolution
 from ipcli.inverse.regularize.parameters import Solver
 from ipcli.models.fusion import tiles
 from ipcli.models.fusion.fuse import fuse
-from ipcli.models.fusion.parameters import Confidence, Fusion
+from ipcli.models.fusion.parameters import Confidence, Edges, Fusion
 from tests.fixtures.fusion_scenes import scene
 
 SHAPE = (90, 142)  # no multiple of the side
@@ -45,9 +45,12 @@ def test_tiles_cover_every_pixel_once():
     assert (count == 1).all()
 
 
+# The weights of edges pass on what the quick first maps differ by, so that jumps are larger with them: measured are at
+# most .028 without and .099 with them (.061 at a tolerance of 1e-5, which takes a minute).
+@pytest.mark.parametrize(("edges", "jump"), [(Edges(gain=0.0), 0.04), (Edges(), 0.11)], ids=["even", "edges"])
 @pytest.mark.parametrize("inverse", [False, True], ids=["depth", "disparity"])
-def test_in_tiles_the_map_is_that_of_the_whole_and_has_no_seams(views, inverse):
-    whole, tiled = both(views, inverse=inverse)
+def test_in_tiles_the_map_is_that_of_the_whole_and_has_no_seams(views, inverse, edges, jump):
+    whole, tiled = both(views, replace(EXACT, edges=edges), inverse)
     assert tiled.noise_scale == pytest.approx(whole.noise_scale, rel=0.02)
     assert tiled.lam == pytest.approx(whole.lam)
     assert (tiled.observations == whole.observations).mean() > 0.998  # what is looked up depends on the map
@@ -61,7 +64,7 @@ def test_in_tiles_the_map_is_that_of_the_whole_and_has_no_seams(views, inverse):
     )
     assert at_seams.mean() < 0.1 * error
     jumps = np.diff(tiled.depth - whole.depth, axis=1)[:, SIDE - 1 :: SIDE] / unit
-    assert np.abs(jumps).mean() < 0.12 * error  # the weights of edges pass on what the quick first maps differ by
+    assert np.abs(jumps).mean() < jump * error
 
 
 def test_one_tile_is_the_whole_but_for_the_windows_the_scale_comes_from(views):

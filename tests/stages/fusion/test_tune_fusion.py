@@ -8,7 +8,7 @@ from ipcli.executor import ItemsFailed
 from ipcli.io.files import h5
 from ipcli.io.views import layouts
 from ipcli.models.fusion.fuse import fuse
-from ipcli.models.fusion.parameters import METHODS, Fusion, Variant, parse_variants
+from ipcli.models.fusion.parameters import Fusion
 from ipcli.params import Run
 from ipcli.stages.fusion import tune_fusion
 from ipcli.stages.fusion.parameters import TuneFusion
@@ -94,10 +94,3 @@ def test_an_unknown_measure_names_the_nearest_and_a_scene_without_truth_is_named
     blind = write(tmp_path / "c.views.h5", [replace(view, truth=None) for view in scene(shape=(48, 64))])
     with pytest.raises((FormatError, ItemsFailed), match=r"c\.views\.h5.*true depth of view '02' is not known"):
         tune_fusion.run([blind], tmp_path / "t.h5", SMALL, Run())
-
-
-def test_all_stands_for_every_method_once_and_adaptive_ones_by_each_algorithm():
-    variants = parse_variants("all")
-    assert len(set(variants)) == len(variants) == sum(3 if method.adaptive else 1 for method in METHODS.values())
-    assert parse_variants("l1-adapt") == [Variant("l1-adapt", "acs")]
-    assert Variant("l1-adapt", "acs").label == "l1-adapt (acs)"
