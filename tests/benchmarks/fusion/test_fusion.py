@@ -53,14 +53,14 @@ def test_a_run_of_pieces_is_one_run(posed):
 def test_the_comparison_of_solvers_has_all_its_rows(tmp_path):
     solver.main(["--size", "64", "48", "--count", "3", "--iterations", "20", "--output", str(tmp_path)])
     tables = json.loads((tmp_path / "fusion_solver.json").read_text())["tables"]
-    solvers, start = tables.values()
-    here = [name for name, (solver, _) in solver.ROWS.items() if find_spec(solvers.NEEDS.get(solver, "numpy"))]
-    assert [row["solver"] for row in solvers] == here
-    assert all(row["ms / iteration"] > 0 for row in solvers)
+    rows, start = tables.values()
+    here = [name for name, (kind, _) in solver.ROWS.items() if find_spec(solvers.NEEDS.get(kind, "numpy"))]
+    assert [row["solver"] for row in rows] == here
+    assert all(row["ms / iteration"] > 0 for row in rows)
     assert [row["threads"] for row in start] == [1, 1, 2, 2]
     assert all(row["found"] <= row["restricted gap asked for"] for row in start)
     for column, name in (("times ours, 1 thread", "ipcli, 1 thread"), ("times ours, 2 threads", "ipcli, 2 threads")):
-        assert next(row[column] for row in solvers if row["solver"] == name) == 1
+        assert next(row[column] for row in rows if row["solver"] == name) == 1
     assert all(f"| {name} |" in (tmp_path / "fusion_solver.md").read_text() for name in here)
 
 
