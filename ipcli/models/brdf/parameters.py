@@ -63,7 +63,7 @@ class Inference:
     )
     side: int = option(72, "Longest side of the object on the grid of inference.", low=16, high=400, unit="px")
     sweep_side: int = option(32, "Longest side on the grid where the maps of the library are compared.", low=8, high=200, unit="px")
-    maps: int = option(160, "Most maps of the library that are compared.", flag="--maps", low=1)
+    maps: int = option(120, "Most maps of the library that are compared.", flag="--maps", low=1)
     least: float = option(0.1, "Least probability of sheet or solid for which it is worked out.", low=0.0, high=0.5)
     solid: Solid = field(default_factory=Solid)
     sheet: Sheet = field(default_factory=Sheet)

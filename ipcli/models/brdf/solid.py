@@ -136,15 +136,15 @@ def _kmeans(points: np.ndarray, count: int, rounds: int = 30) -> tuple[np.ndarra
 def enlarge(values: np.ndarray, small_mask: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """A displacement (n,) in pixels of the small grid as an image (h, w) on the full mask, in its pixels; 0 outside.
 
-    Beyond the small mask it goes on as the nearest pixel has it, and is smooth between the pixels.
+    Beyond the small mask it goes on as the nearest pixel has it; between the pixels it is a cubic spline, which keeps slopes.
     """
-    import cv2
-    from scipy.ndimage import distance_transform_edt
+    from scipy.ndimage import distance_transform_edt, map_coordinates
 
     image = np.zeros(small_mask.shape)
     image[small_mask] = values
     nearest = distance_transform_edt(~small_mask, return_distances=False, return_indices=True)
     filled = image[tuple(nearest)]
-    h, w = mask.shape
-    factor = max(h, w) / max(small_mask.shape)
-    return np.where(mask, cv2.resize(filled, (w, h), interpolation=cv2.INTER_CUBIC) * factor, 0.0)
+    factors = [large / small for large, small in zip(mask.shape, small_mask.shape, strict=True)]
+    at = np.meshgrid(*[(np.arange(n) + 0.5) / f - 0.5 for n, f in zip(mask.shape, factors, strict=True)], indexing="ij")
+    grown = map_coordinates(filled, at, order=3, mode="nearest")
+    return np.where(mask, grown * np.sqrt(factors[0] * factors[1]), 0.0)
