@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipcli.models.brdf.material import STATISTICS, Classifier
 from ipcli.models.brdf.rim import FEATURES, Judge
 
 
@@ -20,13 +21,16 @@ class Library:
     materials: tuple[str, ...]
     probes: tuple[str, ...]
     judge: Judge
+    classifier: Classifier
 
     @classmethod
     def of(cls, arrays: Mapping[str, np.ndarray]) -> Library:
         """From the arrays of a `brdf-library` artefact."""
         judge = Judge(arrays["rim_weights"], arrays["rim_mean"], arrays["rim_spread"])
         names = (tuple(map(str, arrays[key])) for key in ("materials", "probes"))
-        return cls(arrays["charts"], arrays["chart_material"], arrays["chart_probe"], *names, judge)
+        parts = [arrays[f"material_{key}"] for key in ("weights", "bias", "mean", "spread")]
+        classifier = Classifier(*parts, float(arrays["material_temperature"]))
+        return cls(arrays["charts"], arrays["chart_material"], arrays["chart_probe"], *names, judge, classifier)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The part of the artefact that `of` reads."""
@@ -40,6 +44,12 @@ class Library:
             "rim_weights": self.judge.weights,
             "rim_mean": self.judge.mean,
             "rim_spread": self.judge.spread,
+            "material_features": np.array(STATISTICS),
+            "material_weights": self.classifier.weights,
+            "material_bias": self.classifier.bias,
+            "material_mean": self.classifier.mean,
+            "material_spread": self.classifier.spread,
+            "material_temperature": np.float64(self.classifier.temperature),
         }
 
     def grey(self) -> np.ndarray:

@@ -46,6 +46,43 @@ class Sheet:
 
 
 @dataclass(frozen=True)
+class Learning:
+    """What brdf-train makes of each material."""
+
+    lights: int = option(40, "Generated studio lights, beside the probes of the list.", flag="--lights", low=1)
+    headings: int = option(4, "Turns of each probe about the vertical.", flag="--headings", low=1)
+    scenes: int = option(900, "Generated scenes that the judge of rims learns from.", flag="--scenes", low=40)
+    side: int = option(96, "Side of the generated pictures.", low=48, high=512, unit="px")
+    pictures: int = option(250, "Generated pictures of each material that the classifier of materials learns from.", flag="--pictures", low=20)
+    grid: int = option(72, "Longest side on which features are taken; that of inference.", low=16, unit="px")
+    relief: float = option(0.3, "Height in balloons that stands for a sheet.", low=0.0, high=1.0)
+
+
+@dataclass(frozen=True)
+class Printing:
+    """The closed relief for a printer."""
+
+    width: float | None = option(None, "Width of the object, to give sizes in mm; pixels if not given.", flag="--width-mm", low=1e-3, unit="mm")
+    plate: float = option(0.05, "Thickness of the back plate, in longest sides of the object.", flag="--plate", low=1e-3)
+    depth: float = option(1.0, "Factor on the height of the printed relief.", flag="--depth", low=1e-3)
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """The convex refinement of a height field."""
+
+    normal: float = option(1.0, "Weight of the normals of the shape it sets out from.", low=0.0)
+    photo: float = option(0.5, "Weight of the normals that the shading asks for.", low=0.0)
+    tgv: float = option(0.2, "Weight of TGV of order 2 of the height.", low=0.0)
+    theta: float = option(0.5, "How far the normals of the shading may leave the surface at first.", low=1e-3)
+    cap: float = option(25.0, "Angle about the normal within which the shading is searched.", low=1.0, high=89.0, unit="degrees")
+    candidates: int = option(15, "Normals tried a side of that cap.", low=3, high=99)
+    rounds: int = option(3, "Rounds of normals and height in turn.", low=0)
+    iterations: int = option(600, "Primal-dual iterations a round.", low=1)
+    step: float = option(6.0, "Ratio of the primal to the dual step; larger where heights are large.", low=1e-3)
+
+
+@dataclass(frozen=True)
 class Inference:
     """From one picture to a surface."""
 
@@ -61,30 +98,16 @@ class Inference:
         flag="--relief",
         choices=("convex", "concave", "light-above"),
     )
+    refine: str = option(
+        "none",
+        "Refinement at the end: none, or convex, primal-dual with TGV of the height on the grid of inference.",
+        flag="--refine",
+        choices=("none", "convex"),
+    )
     side: int = option(72, "Longest side of the object on the grid of inference.", low=16, high=400, unit="px")
     sweep_side: int = option(32, "Longest side on the grid where the maps of the library are compared.", low=8, high=200, unit="px")
     maps: int = option(120, "Most maps of the library that are compared.", flag="--maps", low=1)
     least: float = option(0.1, "Least probability of sheet or solid for which it is worked out.", low=0.0, high=0.5)
     solid: Solid = field(default_factory=Solid)
     sheet: Sheet = field(default_factory=Sheet)
-
-
-@dataclass(frozen=True)
-class Learning:
-    """What brdf-train makes of each material."""
-
-    lights: int = option(40, "Generated studio lights, beside the probes of the list.", flag="--lights", low=1)
-    headings: int = option(4, "Turns of each probe about the vertical.", flag="--headings", low=1)
-    scenes: int = option(900, "Generated scenes that the judge of rims learns from.", flag="--scenes", low=40)
-    side: int = option(96, "Side of the generated pictures.", low=48, high=512, unit="px")
-    grid: int = option(72, "Longest side on which features are taken; that of inference.", low=16, unit="px")
-    relief: float = option(0.3, "Height in balloons that stands for a sheet.", low=0.0, high=1.0)
-
-
-@dataclass(frozen=True)
-class Printing:
-    """The closed relief for a printer."""
-
-    width: float | None = option(None, "Width of the object, to give sizes in mm; pixels if not given.", flag="--width-mm", low=1e-3, unit="mm")
-    plate: float = option(0.05, "Thickness of the back plate, in longest sides of the object.", flag="--plate", low=1e-3)
-    depth: float = option(1.0, "Factor on the height of the printed relief.", flag="--depth", low=1e-3)
+    refinement: Refinement = field(default_factory=Refinement)

@@ -7,16 +7,18 @@ averaged with it. Heights are in pixels of the picture, towards the viewer; the 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ipcli.models.brdf.energy import cell_normals
 from ipcli.models.brdf.grid import inflate, normals
 from ipcli.models.brdf.library import Library
+from ipcli.models.brdf.material import statistics
 from ipcli.models.brdf.parameters import Inference
 from ipcli.models.brdf.reflectance import Chart, Harmonics, chart_normals
 from ipcli.models.brdf.rim import features
+from ipcli.models.brdf.refine import forward_normals, refine
 from ipcli.models.brdf.sheet import Explained, representatives, sheet
 from ipcli.models.brdf.solid import Pictured, Shape, enlarge, pictured, solid
 
@@ -42,15 +44,17 @@ class Reconstruction:
     is_above: bool  # whether the light that was found comes from above
     explained: Explained | None
     maps: np.ndarray  # indices of the library's charts that were compared
+    by_look: np.ndarray  # (b,) material posterior of the classifier alone
 
     def probe_posterior(self, library: Library) -> np.ndarray:
         """Weights of the maps summed over headings and materials (p,); NaN where no maps were compared."""
         return self._summed(library.probe, len(library.probes))
 
     def material_posterior(self, library: Library) -> np.ndarray:
-        """Weights of the maps summed over probes and headings (b,); even where no maps were compared."""
+        """Posterior of the classifier times the weights of the maps summed over probes and headings (b,), where there are any."""
         summed = self._summed(library.material, len(library.materials))
-        return np.where(np.isnan(summed), 1 / len(summed), summed)
+        joint = self.by_look * np.where(np.isnan(summed), 1.0, summed)
+        return joint / joint.sum() if joint.sum() > 0 else self.by_look
 
     def _summed(self, index: np.ndarray, count: int) -> np.ndarray:
         if self.explained is None:
@@ -88,6 +92,8 @@ def reconstruct(
     if share > 0:
         tables = library.grey()[maps]
         explained = sheet(picture.fine, picture.coarse, tables, params.sheet, lambda done: tell(0.2 + 0.7 * done, "maps"))
+    if params.refine == "convex" and shape is not None:
+        shape = _refined(picture, params, shape)
     return _joined(picture, params, library, share, found, shape, tie, explained, maps)
 
 
@@ -97,6 +103,17 @@ def _solid(picture: _Picture, params: Inference) -> tuple[Shape, float]:
     concave = solid(picture.fine, params.solid, prior=-picture.fine.inflated)
     first, other = (concave, convex) if _takes_concave(params.relief, convex) else (convex, concave)
     return first, (other.energy - first.energy) / max((other.energy + first.energy) / 2, 1e-12)
+
+
+def _refined(picture: _Picture, params: Inference, shape: Shape) -> Shape:
+    """The solid after the convex refinement: another solver of the same terms, with TGV in place of bending."""
+    grid = picture.fine.grid
+    height = grid.image(shape.height, 0.0)
+    prior = forward_normals(grid.image(_sign(shape) * picture.fine.inflated, 0.0), grid.mask)
+    pixels = np.where(np.isfinite(values := grid.to_pixels(picture.fine.intensity / shape.albedo)), values, 0.0)
+    weight = replace(params.refinement, normal=params.solid.weights.normal, photo=shape.omega * params.refinement.photo)
+    refined = refine(height, prior, grid.image(pixels, 0.0), grid.mask, shape.reflectance, weight)
+    return replace(shape, height=refined[grid.mask])
 
 
 def _takes_concave(relief: str, convex: Shape) -> bool:
@@ -141,6 +158,7 @@ def _joined(
         is_above=bool((shape.reflectance.coefficients[UP] if shape else _upward(cells)) > 0),
         explained=explained,
         maps=maps,
+        by_look=library.classifier.posterior(statistics(picture.fine)),
     )
 
 

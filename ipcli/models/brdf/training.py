@@ -1,4 +1,4 @@
-"""What a library learns: maps of each material under all lights, and the judge of rims from generated scenes."""
+"""What a library learns: maps of each material under all lights, the judge of rims and the classifier of materials."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipcli.models.brdf import rim
+from ipcli.models.brdf import material, rim
 from ipcli.models.brdf.light import Light, key_and_fill, probe
 from ipcli.models.brdf.parameters import Learning
-from ipcli.models.brdf.scenes import scene, surface
+from ipcli.models.brdf.scenes import photograph, scene, surface
 from ipcli.models.brdf.solid import pictured
 from ipcli.rng import stream
 
@@ -63,3 +63,31 @@ def rim_lesson(
         labels.append(rim.better_as_sheet(made, params.relief))
         tell((number + 1) / params.scenes)
     return Lesson(np.array(rows), np.array(labels, float))
+
+
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """Statistics (n, f) of generated pictures, the material (n,) and the probe (n,) of each."""
+
+    statistics: np.ndarray
+    material: np.ndarray
+    probe: np.ndarray
+
+
+def material_lesson(
+    charts: np.ndarray, of_material: np.ndarray, of_probe: np.ndarray, params: Learning, seed: int, tell: Callable[[float], None] = lambda share: None
+) -> Pictures:
+    """Every generated surface pictured in every material, each under a random light of its own; a quarter are sheets."""
+    count = int(of_material.max()) + 1
+    rows, materials, probes = [], [], []
+    for number in range(params.pictures):
+        rng = stream(seed, "material", str(number))
+        made = surface(rng, params.side, sheets=0.25)
+        for index in range(count):
+            chart = int(rng.choice(np.flatnonzero(of_material == index)))
+            picture = photograph(made, charts[chart], rng)
+            rows.append(material.statistics(pictured(picture, made.mask, params.grid)))
+            materials.append(index)
+            probes.append(of_probe[chart])
+        tell((number + 1) / params.pictures)
+    return Pictures(np.array(rows), np.array(materials), np.array(probes))

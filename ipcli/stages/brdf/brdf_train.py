@@ -35,9 +35,9 @@ def library(listed: Listed, params: TrainParams, run: Run, progress: Callable[[f
     import numpy as np
 
     from ipcli.executor import map_items
-    from ipcli.models.brdf import rim
+    from ipcli.models.brdf import material, rim
     from ipcli.models.brdf.library import Library
-    from ipcli.models.brdf.training import rim_lesson
+    from ipcli.models.brdf.training import material_lesson, rim_lesson
     from ipcli.stages.brdf.materials import is_metal
 
     names = list(listed.materials)
@@ -45,13 +45,19 @@ def library(listed: Listed, params: TrainParams, run: Run, progress: Callable[[f
     made = map_items(one, names, run.executor, lambda share, what: progress(0.3 * share, what))
     known = lights_of(listed, params, run.seed)
     charts = np.concatenate([made[name] for name in names])
-    lesson = rim_lesson(charts, params.learning, run.seed, lambda share: progress(0.3 + 0.7 * share, "rims"))
-    judge = rim.learn(lesson.features, lesson.labels)
     count = len(known.lights)
-    shelf = Library(charts, np.repeat(np.arange(len(names)), count), np.tile(known.probe, len(names)), tuple(names), known.names, judge)
+    of_material, of_probe = np.repeat(np.arange(len(names)), count), np.tile(known.probe, len(names))
+    lesson = rim_lesson(charts, params.learning, run.seed, lambda share: progress(0.3 + 0.4 * share, "rims"))
+    shown = material_lesson(charts, of_material, of_probe, params.learning, run.seed, lambda share: progress(0.7 + 0.3 * share, "materials"))
+    judge = rim.learn(lesson.features, lesson.labels)
+    classifier = material.learn(shown.statistics, shown.material, len(names))
+    metals = np.array([is_metal(entry) for entry in listed.materials.values()])
+    told = material.accuracy(shown.statistics, shown.material, shown.probe, len(names), metals)
+    shelf = Library(charts, of_material, of_probe, tuple(names), known.names, judge, classifier)
     return shelf.arrays() | {
         "chart_heading": np.tile(known.heading, len(names)),
-        "is_metal": np.array([is_metal(entry) for entry in listed.materials.values()], np.uint8),
+        "is_metal": metals.astype(np.uint8),
+        "material_accuracy": np.array(told),
         "rim_accuracy": np.float64(rim.accuracy(lesson.features, lesson.labels)),
         "rim_scenes": np.int64(len(lesson.labels)),
     }

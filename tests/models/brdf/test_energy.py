@@ -21,7 +21,7 @@ def ball(radius):
 def test_a_disc_inflates_to_a_hemisphere():
     mask, height = ball(40)
     found = grid.inflate(mask)
-    assert np.abs(found - height)[disc(34, len(mask))].max() < 0.5
+    assert np.abs(found - height)[disc(34, len(mask))].max() < 0.8
     assert np.abs(found**2 - height**2)[mask].max() < 2 * 40  # the outline of pixels is up to one wider than the disc
 
 
