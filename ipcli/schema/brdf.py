@@ -26,7 +26,7 @@ LIBRARY = Kind(
         Field("material_mean", "float64", ("m",), "1", "Mean of each statistic", domain=FINITE),
         Field("material_spread", "float64", ("m",), "1", "Standard deviation of each statistic", domain=FINITE),
         Field("material_temperature", "float64", (), "1", "Factor of the scores, from held-out pictures", domain=WEIGHT),
-        Field("material_accuracy", "float64", (2,), "1", "Shares of pictures under held-out probes: material right, metal or not right"),
+        Field("material_accuracy", "float64", (2,), "1", "Shares of pictures of held-out surfaces under held-out probes: material right, metal or not right"),
         Field("rim_accuracy", "float64", (), "1", "Share of right answers on held-out generated scenes"),
         Field("rim_scenes", "int64", (), "1", "Generated scenes it was learnt from"),
     ),

@@ -80,14 +80,17 @@ def _discriminants(features: np.ndarray, labels: np.ndarray, count: int, ridge: 
     return Classifier(weights, -0.5 * (centres * weights.T).sum(axis=1), mean, spread, 1.0)
 
 
-def accuracy(features: np.ndarray, labels: np.ndarray, groups: np.ndarray, count: int, metals: np.ndarray) -> tuple[float, float]:
-    """Shares named right, and told right as metal or not, when each group (n,) (a probe, say) is held out in turn by fifths."""
+def accuracy(features: np.ndarray, labels: np.ndarray, surfaces: np.ndarray, probes: np.ndarray, metals: np.ndarray) -> tuple[float, float]:
+    """Shares named right, and told right as metal or not, of pictures (n) whose surface and whose probe were both held out, by fifths."""
     named = np.full(len(labels), -1)
-    for fold in range(5):
-        held = groups % 5 == fold
-        if held.any() and not held.all():
-            named[held] = learn(features[~held], labels[~held], count).posterior(features[held]).argmax(axis=1)
+    for fold in range(25):
+        mesh, light = surfaces % 5 == fold % 5, probes % 5 == fold // 5
+        held, taught = mesh & light, ~mesh & ~light
+        if held.any() and len(np.unique(labels[taught])) == len(metals):
+            named[held] = learn(features[taught], labels[taught], len(metals)).posterior(features[held]).argmax(axis=1)
     told = named >= 0
+    if not told.any():
+        return np.nan, np.nan
     return float((named == labels)[told].mean()), float((metals[named] == metals[labels])[told].mean())
 
 

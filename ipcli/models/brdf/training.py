@@ -67,10 +67,11 @@ def rim_lesson(
 
 @dataclass(frozen=True, eq=False)
 class Pictures:
-    """Statistics (n, f) of generated pictures, the material (n,) and the probe (n,) of each."""
+    """Statistics (n, f) of generated pictures, and the material, the surface and the probe (n,) of each."""
 
     statistics: np.ndarray
     material: np.ndarray
+    surface: np.ndarray
     probe: np.ndarray
 
 
@@ -79,7 +80,7 @@ def material_lesson(
 ) -> Pictures:
     """Every generated surface pictured in every material, each under a random light of its own; a quarter are sheets."""
     count = int(of_material.max()) + 1
-    rows, materials, probes = [], [], []
+    rows, materials, surfaces, probes = [], [], [], []
     for number in range(params.pictures):
         rng = stream(seed, "material", str(number))
         made = surface(rng, params.side, sheets=0.25)
@@ -88,6 +89,7 @@ def material_lesson(
             picture = photograph(made, charts[chart], rng)
             rows.append(material.statistics(pictured(picture, made.mask, params.grid)))
             materials.append(index)
+            surfaces.append(number)
             probes.append(of_probe[chart])
         tell((number + 1) / params.pictures)
-    return Pictures(np.array(rows), np.array(materials), np.array(probes))
+    return Pictures(np.array(rows), np.array(materials), np.array(surfaces), np.array(probes))

@@ -21,7 +21,7 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     materials, maps = arrays["materials"], len(arrays["chart_material"])
     verdict = (
         f"{len(materials)} materials under {maps // max(len(materials), 1)} lights. On generated scenes that were not learnt from, "
-        f"{percent(float(arrays['rim_accuracy']))} of the outlines are told right: rim or cut edge; under probes that were not learnt from, "
+        f"{percent(float(arrays['rim_accuracy']))} of the outlines are told right: rim or cut edge; of other surfaces under other lights, "
         f"{percent(float(arrays['material_accuracy'][0]))} of the materials are named right and {percent(float(arrays['material_accuracy'][1]))} "
         "told right as metal or not."
     )

@@ -52,7 +52,7 @@ def library(listed: Listed, params: TrainParams, run: Run, progress: Callable[[f
     judge = rim.learn(lesson.features, lesson.labels)
     classifier = material.learn(shown.statistics, shown.material, len(names))
     metals = np.array([is_metal(entry) for entry in listed.materials.values()])
-    told = material.accuracy(shown.statistics, shown.material, shown.probe, len(names), metals)
+    told = material.accuracy(shown.statistics, shown.material, shown.surface, shown.probe, metals)
     shelf = Library(charts, of_material, of_probe, tuple(names), known.names, judge, classifier)
     return shelf.arrays() | {
         "chart_heading": np.tile(known.heading, len(names)),

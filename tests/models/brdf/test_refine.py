@@ -43,11 +43,12 @@ def test_the_tilt_is_the_sine_of_the_angle_times_the_length():
 
 def test_a_cap_is_recovered_from_noisy_normals():
     mask, z, true, noisy = cap()
-    params = parameters.Refinement(tgv=0.05, iterations=2500)
+    params = parameters.Refinement(iterations=2500)
     found = refine.integrate([refine.Tilt.of(noisy, mask.astype(float))], mask, np.zeros_like(z), params)
     inner = evaluation.inside(mask)
     assert evaluation.normal_error(grid.normals(np.nan_to_num(found), mask), true, inner) < 0.11
-    assert np.ptp(found[mask]) == pytest.approx(np.ptp(z[mask]), rel=0.05)
+    low, high = (np.diff(np.percentile(h[mask], (1, 99)))[0] for h in (found, z))  # single pixels of the rim hang on noise
+    assert low == pytest.approx(high, rel=0.05)
 
 
 def test_the_printed_scheme_flattens_the_true_surface():
