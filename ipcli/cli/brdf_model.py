@@ -8,25 +8,33 @@ import click
 
 from ipcli.cli.options import common, conclude, parameters, progress
 from ipcli.params import Run
-from ipcli.stages.brdf.parameters import ModelParams
+from ipcli.stages.brdf.parameters import BrdfModel
 
 FILE = click.Path(path_type=Path)
 
 
-@click.command()
+@click.command("brdf-model")
 @click.argument("library", type=FILE)
 @click.argument("photo", type=FILE)
 @click.option("--mask", type=FILE, required=True, help="Picture of the same size, white where the object is.")
-@click.option("-o", "--output", type=FILE, required=True, help="Object to write, with mesh, relief, normal map and page beside it.")
+@click.option(
+    "-o",
+    "--output",
+    type=FILE,
+    required=True,
+    help="Object to write, with mesh, relief, normal map and page beside it.",
+)
 @click.option("--true-normals", type=FILE, help="True normals to measure errors by: PNG, NPY or NPZ.")
-@click.option("--true-height", type=FILE, help="True heights towards the viewer in pixels to measure errors by: NPY or NPZ.")
+@click.option(
+    "--true-height", type=FILE, help="True heights towards the viewer in pixels to measure errors by: NPY or NPZ."
+)
 @click.option(
     "--true-convention",
     type=click.Choice(("opengl", "opencv", "directx")),
     default="opengl",
     help="Convention of --true-normals.  [default: opengl]",
 )
-@parameters(ModelParams)
+@parameters(BrdfModel)
 @common
 def main(
     library: Path,
@@ -36,7 +44,7 @@ def main(
     true_normals: Path | None,
     true_height: Path | None,
     true_convention: str,
-    params: ModelParams,
+    params: BrdfModel,
     run: Run,
 ) -> None:
     """Model the surface of the object in PHOTO, with a LIBRARY of brdf-train."""

@@ -8,7 +8,8 @@ import numpy as np
 def front(height: np.ndarray, pixel: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Vertices (n, 3), faces (m, 3) int32 facing the viewer and the flat pixel index (n,) of each vertex.
 
-    `height` (h, w) in pixels, NaN where there is no surface; x right, y up, z to the viewer; `pixel` is the side of a pixel.
+    `height` (h, w) in pixels, NaN where there is no surface; x right, y up, z to the viewer; `pixel` is the side of a
+    pixel.
     """
     known = np.isfinite(height)
     h, w = height.shape
@@ -25,14 +26,19 @@ def front(height: np.ndarray, pixel: float = 1.0) -> tuple[np.ndarray, np.ndarra
 def closed(height: np.ndarray, pixel: float = 1.0, plate: float = 0.05) -> tuple[np.ndarray, np.ndarray]:
     """A watertight mesh: the front over the cells whose corners are all known, walls along its edge, and a flat back.
 
-    The back lies `plate` longest sides below the lowest point of the front. Where cells touch in a single corner the pixels
-    are left out until none do, so that every edge has two faces.
+    The back lies `plate` longest sides below the lowest point of the front. Where cells touch in a single corner the
+    pixels are left out until none do, so that every edge has two faces.
     """
     cells = _sound_cells(np.isfinite(height))
     if not cells.any():
         return np.zeros((0, 3)), np.zeros((0, 3), np.int32)
     used = np.zeros(height.shape, bool)
-    for rows, columns in ((slice(None, -1), slice(None, -1)), (slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1)), (slice(1, None), slice(1, None))):
+    for rows, columns in (
+        (slice(None, -1), slice(None, -1)),
+        (slice(None, -1), slice(1, None)),
+        (slice(1, None), slice(None, -1)),
+        (slice(1, None), slice(1, None)),
+    ):
         used[rows, columns] |= cells
     vertices, _, _ = front(np.where(used, height, np.nan), pixel)
     number = np.full(height.shape, -1, np.int64)

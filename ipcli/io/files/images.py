@@ -121,7 +121,9 @@ def read_image(path: Path) -> np.ndarray:
 
 
 def read_stored(path: Path) -> np.ndarray:
-    """The numbers (h, w) or (h, w, c) of any image OpenCV reads as they are stored, channels in OpenCV's order. FormatError otherwise."""
+    """The numbers (h, w) or (h, w, c) of any image OpenCV reads as they are stored, channels in OpenCV's order.
+    FormatError otherwise.
+    """
     path = Path(path)
     return _decoded(path, _bytes(path), as_colour=False)
 

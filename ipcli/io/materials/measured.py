@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ipcli.errors import FormatError, nearest
-from ipcli.io import npz
+from ipcli.io.files import npz
 
 TABLE = (90, 90, 180)
 LAYERS = {"k1": (6, 21), "b1": (21,), "k2": (21, 21), "b2": (21,), "k3": (21, 3), "b3": (3,)}
@@ -21,14 +21,18 @@ def read_network(path: Path, name: str) -> dict[str, np.ndarray]:
     """Weights k1 b1 k2 b2 k3 b3 of one material of an NPZ that stacks them along `names`."""
     arrays = npz.read(path)
     if set(LAYERS) - set(arrays):
-        raise FormatError(path, "not a set of networks", expected=", ".join(LAYERS), got=", ".join(sorted(arrays)) or "nothing")
+        raise FormatError(
+            path, "not a set of networks", expected=", ".join(LAYERS), got=", ".join(sorted(arrays)) or "nothing"
+        )
     if "names" not in arrays or arrays["names"].dtype.kind != "U":
         raise FormatError(path, "the networks have no names", expected="an array `names` of text")
     index = _index(path, list(map(str, arrays["names"])), name)
     weights = {key: np.asarray(arrays[key], np.float32) for key in LAYERS}
     for key, shape in LAYERS.items():
         if weights[key].shape != (len(arrays["names"]), *shape) or not np.isfinite(weights[key]).all():
-            raise FormatError(path, f"{key} is not sound", expected=(len(arrays["names"]), *shape), got=weights[key].shape)
+            raise FormatError(
+                path, f"{key} is not sound", expected=(len(arrays["names"]), *shape), got=weights[key].shape
+            )
     return {key: value[index] for key, value in weights.items()}
 
 
@@ -48,10 +52,18 @@ def read_abc(path: Path, name: str) -> dict[str, Any]:
         one = fits[name]
         numbers = [tuple(float(v) for v in one[key]) for key in ("kD", "A", "BCior")]
     except (TypeError, KeyError, ValueError, OverflowError) as error:
-        raise FormatError(path, f"the fit of '{name}' is not sound", expected="kD, A and BCior of three numbers") from error
+        raise FormatError(
+            path, f"the fit of '{name}' is not sound", expected="kD, A and BCior of three numbers"
+        ) from error
     if any(len(part) != 3 or not np.isfinite(part).all() for part in numbers):
         raise FormatError(path, f"the fit of '{name}' is not sound", expected="three finite numbers each")
-    return {"diffuse": numbers[0], "scale": numbers[1], "width": numbers[2][0], "falloff": numbers[2][1], "eta": numbers[2][2]}
+    return {
+        "diffuse": numbers[0],
+        "scale": numbers[1],
+        "width": numbers[2][0],
+        "falloff": numbers[2][1],
+        "eta": numbers[2][2],
+    }
 
 
 def read_table(path: Path) -> np.ndarray:

@@ -1,4 +1,6 @@
-"""Photographs of one object with its mask, and true shapes to judge by: height maps and normal maps of known conventions."""
+"""Photographs of one object with its mask, and true shapes to judge by: height maps and normal maps of known
+conventions.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError
-from ipcli.io import images, npz
+from ipcli.io.files import images, npz
 
 CONVENTIONS = {"opengl": (1, 1, 1), "opencv": (1, -1, -1), "directx": (1, -1, 1)}
 LARGEST = 1 << 26  # pixels
@@ -26,10 +28,11 @@ class Photograph:
 
 
 def read(path: Path, mask_path: Path, response: str) -> Photograph:
-    """Picture and mask. `response`: "srgb" undoes the gamma of ordinary pictures, "linear" takes the numbers as they are.
+    """Picture and mask. `response`: "srgb" undoes the gamma of ordinary pictures, "linear" takes the numbers as they
+    are.
 
-    Raises FormatError for pictures that are not of 8 or 16 bits, a mask of another size, an empty or full one, or one that is
-    in several pieces of some size.
+    Raises FormatError for pictures that are not of 8 or 16 bits, a mask of another size, an empty or full one, or one
+    that is in several pieces of some size.
     """
     stored = images.read_stored(path)
     if stored.dtype not in (np.uint8, np.uint16):
@@ -64,7 +67,12 @@ def read_mask(path: Path, shape: tuple[int, int]) -> np.ndarray:
 
     stored = images.read_stored(path)
     if stored.shape[:2] != tuple(shape):
-        raise FormatError(path, "mask and picture differ in size", expected=f"{shape[1]} x {shape[0]}", got=f"{stored.shape[1]} x {stored.shape[0]}")
+        raise FormatError(
+            path,
+            "mask and picture differ in size",
+            expected=f"{shape[1]} x {shape[0]}",
+            got=f"{stored.shape[1]} x {stored.shape[0]}",
+        )
     plane = stored if stored.ndim == 2 else stored[..., 3] if _has_alpha(stored) else stored[..., :3].max(axis=-1)
     mask = plane > HALF * max(int(plane.max()), 1)
     fix = "Paint the object white on black, in one piece"
@@ -86,7 +94,8 @@ def _has_alpha(stored: np.ndarray) -> bool:
 
 
 def read_normals(path: Path, convention: str, shape: tuple[int, int]) -> np.ndarray:
-    """Unit normals (h, w, 3), x right, y up, z to the viewer, of a PNG, NPY or NPZ; NaN where they are zero or not known.
+    """Unit normals (h, w, 3), x right, y up, z to the viewer, of a PNG, NPY or NPZ; NaN where they are zero or not
+    known.
 
     Raises FormatError when most are not of unit length or face away: the sign of a wrong convention.
     """
@@ -99,9 +108,13 @@ def read_normals(path: Path, convention: str, shape: tuple[int, int]) -> np.ndar
     length = np.linalg.norm(n, axis=-1)
     known = np.isfinite(length) & (length > HALF)
     if not known.any() or np.median(np.abs(length[known] - 1)) > 0.05:
-        raise FormatError(path, "normals are not of unit length", fix="Give (n + 1) / 2 as colours, or plain unit vectors as NPY")
+        raise FormatError(
+            path, "normals are not of unit length", fix="Give (n + 1) / 2 as colours, or plain unit vectors as NPY"
+        )
     if n[known][:, 2].mean() < 0:
-        raise FormatError(path, f"normals face away from the viewer in the convention '{convention}'", fix="Try another --normals")
+        raise FormatError(
+            path, f"normals face away from the viewer in the convention '{convention}'", fix="Try another --normals"
+        )
     n[~known] = np.nan
     n[known] /= length[known, None]
     return n

@@ -7,20 +7,30 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError
-from ipcli.io import images
+from ipcli.io.files import images
 
 SUFFIXES = (".hdr", ".exr", ".npy", ".pic")
 
 
 def read(path: Path) -> np.ndarray:
-    """Linear radiance (h, w, 3) float64, row 0 up. Raises FormatError for another shape or radiance that is not finite."""
+    """Linear radiance (h, w, 3) float64, row 0 up. Raises FormatError for another shape or radiance that is not
+    finite.
+    """
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise FormatError(path, "not a light probe", expected=" ".join(SUFFIXES), got=suffix or "no suffix")
-    image = images.read_npy(path) if suffix == ".npy" else _exr(path) if suffix == ".exr" else images.read_stored(path)[..., ::-1]
+    image = (
+        images.read_npy(path)
+        if suffix == ".npy"
+        else _exr(path)
+        if suffix == ".exr"
+        else images.read_stored(path)[..., ::-1]
+    )
     if image.ndim != 3 or image.shape[2] != 3 or image.dtype.kind != "f" or image.shape[1] != 2 * image.shape[0]:
-        raise FormatError(path, "not an equirectangular probe", expected="floats (h, 2 h, 3)", got=f"{image.dtype} {image.shape}")
+        raise FormatError(
+            path, "not an equirectangular probe", expected="floats (h, 2 h, 3)", got=f"{image.dtype} {image.shape}"
+        )
     if not np.isfinite(image).all() or not (image >= 0).all() or not image.any():
         raise FormatError(path, "radiance that is negative, not finite or zero everywhere")
     return image.astype(np.float64)

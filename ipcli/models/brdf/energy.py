@@ -2,9 +2,10 @@
 
     E(z) = omega sum rho_a(I - R(n)) + w_n sum rho_b(|T0' n|) + w_b sum rho_c(|D2 (z - z0)|)
 
-on the 2 x 2 cells of a grid; rho is Huber's function of unit slope, T0 spans the plane across the prior normal n0, so that
-|T0' n| is the sine of the angle between n and n0. The bending acts on the displacement from the prior shape. With slopes
-p, q and W^2 = 1 + p^2 + q^2: dn_x/dp = -(1 + q^2) / W^3, dn_x/dq = dn_y/dp = p q / W^3, dn_y/dq = -(1 + p^2) / W^3.
+on the 2 x 2 cells of a grid; rho is Huber's function of unit slope, T0 spans the plane across the prior normal n0, so
+that |T0' n| is the sine of the angle between n and n0. The bending acts on the displacement from the prior shape. With
+slopes p, q and W^2 = 1 + p^2 + q^2: dn_x/dp = -(1 + q^2) / W^3, dn_x/dq = dn_y/dp = p q / W^3, dn_y/dq = -(1 + p^2) /
+W^3.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ ANCHOR = 1e-6  # holds the constant, on which nothing else depends
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class ShadedProblem:
     """What is known: the picture on the cells and the prior shape on the pixels of the grid."""
 
     grid: Grid
@@ -61,7 +62,7 @@ def tangents(normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.stack([1 - x * x * a, -x * y * a, -x], axis=-1), np.stack([-x * y * a, 1 - y * y * a, -y], axis=-1)
 
 
-def energy(problem: Problem, reflectance: Map, omega: float, height: np.ndarray) -> float:
+def energy(problem: ShadedProblem, reflectance: Map, omega: float, height: np.ndarray) -> float:
     """E at heights (n,)."""
     w = problem.weights
     n = cell_normals(problem.grid, height)
@@ -77,7 +78,7 @@ def energy(problem: Problem, reflectance: Map, omega: float, height: np.ndarray)
     )
 
 
-def linearise(problem: Problem, reflectance: Map, omega: float, height: np.ndarray) -> Linear:
+def linearise(problem: ShadedProblem, reflectance: Map, omega: float, height: np.ndarray) -> Linear:
     """E, its exact gradient and the Gauss-Newton matrix of the reweighted squares."""
     from scipy.sparse import diags
 
@@ -86,7 +87,9 @@ def linearise(problem: Problem, reflectance: Map, omega: float, height: np.ndarr
     n, (dp, dq) = normals_of_slopes(p, q), normal_slopes(p, q)
     shade, slope = reflectance.slopes(n)
     photo = problem.intensity - shade
-    rows = [(photo, -(slope * dp).sum(axis=1), -(slope * dq).sum(axis=1), omega / np.maximum(np.abs(photo), w.photo_width))]
+    rows = [
+        (photo, -(slope * dp).sum(axis=1), -(slope * dq).sum(axis=1), omega / np.maximum(np.abs(photo), w.photo_width))
+    ]
     t, s = tangents(problem.prior_normals)
     across = [(v * n).sum(axis=1) for v in (t, s)]
     trust = 1.0 if problem.trust is None else problem.trust
@@ -108,11 +111,17 @@ def linearise(problem: Problem, reflectance: Map, omega: float, height: np.ndarr
 def normal_slopes(p: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """dn/dp and dn/dq (c, 3) of the unit normal of slopes p, q (c,)."""
     w3 = (1 + p * p + q * q) ** 1.5
-    return np.stack([-(1 + q * q), p * q, -p], axis=-1) / w3[:, None], np.stack([p * q, -(1 + p * p), -q], axis=-1) / w3[:, None]
+    return np.stack([-(1 + q * q), p * q, -p], axis=-1) / w3[:, None], np.stack(
+        [p * q, -(1 + p * p), -q], axis=-1
+    ) / w3[:, None]
 
 
-def gauss_newton(problem: Problem, reflectance: Map, omega: float, height: np.ndarray, steps: int, damping: float = 0.02) -> np.ndarray:
-    """Heights (n,) after some steps that each lower E; damped by `damping` |grad delta|^2, more when no step length helps."""
+def gauss_newton(
+    problem: ShadedProblem, reflectance: Map, omega: float, height: np.ndarray, steps: int, damping: float = 0.02
+) -> np.ndarray:
+    """Heights (n,) after some steps that each lower E; damped by `damping` |grad delta|^2, more when no step length
+    helps.
+    """
     from scipy.sparse import identity
 
     grid = problem.grid

@@ -1,4 +1,6 @@
-"""Errors of a surface as SIRFS' getError takes them (Barron and Malik, TPAMI 2015): normals in radians, heights in pixels."""
+"""Errors of a surface as SIRFS' getError takes them (Barron and Malik, TPAMI 2015): normals in radians, heights in
+pixels.
+"""
 
 from __future__ import annotations
 
@@ -43,8 +45,12 @@ def of_height(height: np.ndarray, truth: np.ndarray, mask: np.ndarray) -> tuple[
 COLUMNS = ("N-MAE (rad)", "N median (rad)", "Z-MAE (px)")
 
 
-def errors(height: np.ndarray, mask: np.ndarray, true_normals: np.ndarray | None, true_height: np.ndarray | None) -> list[float]:
-    """`COLUMNS` of heights (h, w) against true normals (h, w, 3) or, without them, those of the true heights (h, w); NaN undefined."""
+def errors(
+    height: np.ndarray, mask: np.ndarray, true_normals: np.ndarray | None, true_height: np.ndarray | None
+) -> list[float]:
+    """`COLUMNS` of heights (h, w) against true normals (h, w, 3) or, without them, those of the true heights (h, w);
+    NaN undefined.
+    """
     where = inside(mask)
     if true_normals is None:
         assert true_height is not None

@@ -1,7 +1,8 @@
-"""Height fields on the pixels of a mask: slopes on 2 x 2 cells, second differences, normals, inflation of a silhouette.
+"""Height fields on the pixels of a mask: slopes on 2 x 2 cells, second differences, normals, inflation of a
+silhouette.
 
-Heights are towards the viewer, in pixels; x runs right along the columns, y UP against the rows. Unknowns are the pixels of
-the mask in order of rows.
+Heights are towards the viewer, in pixels; x runs right along the columns, y UP against the rows. Unknowns are the
+pixels of the mask in order of rows.
 """
 
 from __future__ import annotations
@@ -59,7 +60,9 @@ def grid(mask: np.ndarray) -> Grid:
     return Grid(mask, corners, slope_x, slope_y, (_second(number, 1, n), _second(number, 0, n), _mixed(corners, n)))
 
 
-def _stencil(columns: np.ndarray, weights: np.ndarray, n: int, rows: np.ndarray | None = None, height: int | None = None) -> Any:
+def _stencil(
+    columns: np.ndarray, weights: np.ndarray, n: int, rows: np.ndarray | None = None, height: int | None = None
+) -> Any:
     from scipy.sparse import csr_matrix
 
     rows = np.arange(len(columns)) if rows is None else rows
@@ -88,8 +91,8 @@ def normals_of_slopes(p: np.ndarray, q: np.ndarray) -> np.ndarray:
 def normals(height: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Unit normals (h, w, 3) of heights (h, w) in a mask; NaN outside.
 
-    Each is that of the plane that fits the 3 x 3 pixels about it, weighed 1 2 1; with no neighbour missing this is Sobel's
-    operator. A pixel without enough neighbours faces the viewer.
+    Each is that of the plane that fits the 3 x 3 pixels about it, weighed 1 2 1; with no neighbour missing this is
+    Sobel's operator. A pixel without enough neighbours faces the viewer.
     """
     from scipy.ndimage import correlate
 
@@ -118,7 +121,9 @@ def normals(height: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 
 def inflate(mask: np.ndarray) -> np.ndarray:
-    """Height (h, w) of a balloon of this silhouette: z = 2 sqrt(u), -Laplace u = 1, u = 0 outside; a disc gives a hemisphere."""
+    """Height (h, w) of a balloon of this silhouette: z = 2 sqrt(u), -Laplace u = 1, u = 0 outside; a disc gives a
+    hemisphere.
+    """
     from scipy.sparse import coo_matrix
     from scipy.sparse.linalg import splu
 
@@ -126,7 +131,9 @@ def inflate(mask: np.ndarray) -> np.ndarray:
     number[mask] = np.arange(mask.sum())
     padded = np.pad(number, 1, constant_values=-1)
     centre = number[mask]
-    neighbours = [padded[1 + dr : padded.shape[0] - 1 + dr, 1 + dc : padded.shape[1] - 1 + dc][mask] for dr, dc in _FOUR]
+    neighbours = [
+        padded[1 + dr : padded.shape[0] - 1 + dr, 1 + dc : padded.shape[1] - 1 + dc][mask] for dr, dc in _FOUR
+    ]
     rows = np.concatenate([centre, *(centre[near >= 0] for near in neighbours)])
     columns = np.concatenate([centre, *(near[near >= 0] for near in neighbours)])
     data = np.concatenate([np.full(centre.size, 4.0), np.full(rows.size - centre.size, -1.0)])

@@ -1,4 +1,6 @@
-"""What brdf-train leaves for brdf-model: reflectance maps of materials under lights, the judge of rims, what materials look like."""
+"""What brdf-train leaves for brdf-model: reflectance maps of materials under lights, the judge of rims, what materials
+look like.
+"""
 
 from __future__ import annotations
 
@@ -27,10 +29,11 @@ class Library:
     def of(cls, arrays: Mapping[str, np.ndarray]) -> Library:
         """From the arrays of a `brdf-library` artefact."""
         judge = Judge(arrays["rim_weights"], arrays["rim_mean"], arrays["rim_spread"])
-        names = (tuple(map(str, arrays[key])) for key in ("materials", "probes"))
-        parts = [arrays[f"material_{key}"] for key in ("weights", "bias", "mean", "spread")]
-        classifier = Classifier(*parts, float(arrays["material_temperature"]))
-        return cls(arrays["charts"], arrays["chart_material"], arrays["chart_probe"], *names, judge, classifier)
+        materials, probes = (tuple(map(str, arrays[key])) for key in ("materials", "probes"))
+        weights, bias, mean, spread = (arrays[f"material_{key}"] for key in ("weights", "bias", "mean", "spread"))
+        classifier = Classifier(weights, bias, mean, spread, float(arrays["material_temperature"]))
+        charts, material, probe = (arrays[key] for key in ("charts", "chart_material", "chart_probe"))
+        return cls(charts, material, probe, materials, probes, judge, classifier)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The part of the artefact that `of` reads."""
@@ -49,7 +52,7 @@ class Library:
             "material_bias": self.classifier.bias,
             "material_mean": self.classifier.mean,
             "material_spread": self.classifier.spread,
-            "material_temperature": np.float64(self.classifier.temperature),
+            "material_temperature": np.array(self.classifier.temperature),
         }
 
     def grey(self) -> np.ndarray:

@@ -1,7 +1,8 @@
-"""Distant light: probes as radiance over directions, procedural key and fill lights, and their turning about the view axis.
+"""Distant light: probes as radiance over directions, procedural key and fill lights, and their turning about the view
+axis.
 
-World frame: x right, y up, z to the viewer. A probe is an equirectangular image (h, w, 3), row 0 at +y; the direction of
-(theta, phi) is (sin phi sin theta, cos theta, -cos phi sin theta), as in Mitsuba. `Light` is what all else takes.
+World frame: x right, y up, z to the viewer. A probe is an equirectangular image (h, w, 3), row 0 at +y; the direction
+of (theta, phi) is (sin phi sin theta, cos theta, -cos phi sin theta), as in Mitsuba. `Light` is what all else takes.
 """
 
 from __future__ import annotations
@@ -30,9 +31,11 @@ def sphere(count: int = DIRECTIONS) -> np.ndarray:
 
 
 def probe(image: np.ndarray, heading: float = 0.0, count: int = DIRECTIONS) -> Light:
-    """An equirectangular probe (h, w, 3) turned by `heading` radians about the vertical, averaged around each direction.
+    """An equirectangular probe (h, w, 3) turned by `heading` radians about the vertical, averaged around each
+    direction.
 
-    The average runs over the texels nearest to the direction, weighed by their solid angle, so that small suns are kept.
+    The average runs over the texels nearest to the direction, weighed by their solid angle, so that small suns are
+    kept.
     """
     nearest, weight = _cells(image.shape[:2], heading, count)
     flat = image.reshape(-1, 3)
@@ -46,14 +49,17 @@ def _cells(shape: tuple[int, int], heading: float, count: int) -> tuple[np.ndarr
     from scipy.spatial import cKDTree
 
     h, w = shape
-    theta, phi = np.meshgrid((np.arange(h) + 0.5) * np.pi / h, (np.arange(w) + 0.5) * 2 * np.pi / w + heading, indexing="ij")
+    theta, phi = np.meshgrid(
+        (np.arange(h) + 0.5) * np.pi / h, (np.arange(w) + 0.5) * 2 * np.pi / w + heading, indexing="ij"
+    )
     sine = np.sin(theta)
     towards = np.stack([np.sin(phi) * sine, np.cos(theta), -np.cos(phi) * sine], axis=-1).reshape(-1, 3)
-    return cKDTree(sphere(count)).query(towards)[1], sine.ravel() * (np.pi / h) * (2 * np.pi / w)
+    return np.asarray(cKDTree(sphere(count)).query(towards)[1]), sine.ravel() * (np.pi / h) * (2 * np.pi / w)
 
 
 def key_and_fill(rng: np.random.Generator, count: int = DIRECTIONS) -> Light:
-    """A key light from the front hemisphere, one to three weaker fills, and an even glow: the light of a studio or a room.
+    """A key light from the front hemisphere, one to three weaker fills, and an even glow: the light of a studio or a
+    room.
 
     Widths run from a lamp (8 degrees) to a window or a bright wall (40); colours stay near white.
     """
@@ -62,7 +68,9 @@ def key_and_fill(rng: np.random.Generator, count: int = DIRECTIONS) -> Light:
     radiance += rng.uniform(0, 0.4) * np.clip(directions[:, [1]], 0, 1)  # a sky or a ceiling
     for index in range(int(rng.integers(2, 5))):
         azimuth, elevation = rng.uniform(0, 2 * np.pi), rng.uniform(0.15, 1.35)
-        towards = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
+        towards = np.array(
+            [np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)]
+        )
         width = np.radians(rng.uniform(8, 40))
         lobe = np.exp((directions @ towards - 1) / (1 - np.cos(width)))
         strength = (1.0 if index == 0 else rng.uniform(0.1, 0.6)) * 12 / lobe.sum() * count / 4 / np.pi / 12

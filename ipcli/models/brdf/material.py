@@ -1,8 +1,9 @@
-"""Which material: a classifier on colour and statistics of the picture, learnt on generated scenes (linear discriminants).
+"""Which material: a classifier on colour and statistics of the picture, learnt on generated scenes (linear
+discriminants).
 
-The features are chosen so that neither exposure nor the shape decides: chroma of the whole and of the highlights, and the
-shape of the histogram. The posterior is that of Gaussians of one covariance, softened until held-out scenes are told as often
-as it says.
+The features are chosen so that neither exposure nor the shape decides: chroma of the whole and of the highlights, and
+the shape of the histogram. The posterior is that of Gaussians of one covariance, softened until held-out scenes are
+told as often as it says.
 """
 
 from __future__ import annotations
@@ -67,21 +68,29 @@ def learn(features: np.ndarray, labels: np.ndarray, count: int, *, folds: int = 
 
 def _loss(score: np.ndarray, labels: np.ndarray) -> float:
     top = score.max(axis=1)
-    return float((top + np.log(np.exp(score - top[:, None]).sum(axis=1)) - score[np.arange(len(labels)), labels]).mean())
+    return float(
+        (top + np.log(np.exp(score - top[:, None]).sum(axis=1)) - score[np.arange(len(labels)), labels]).mean()
+    )
 
 
 def _discriminants(features: np.ndarray, labels: np.ndarray, count: int, ridge: float = 0.05) -> Classifier:
     mean, spread = features.mean(axis=0), np.maximum(features.std(axis=0), 1e-6)
     x = np.clip((features - mean) / spread, -4, 4)
-    centres = np.stack([x[labels == k].mean(axis=0) if (labels == k).any() else np.zeros(x.shape[1]) for k in range(count)])
+    centres = np.stack(
+        [x[labels == k].mean(axis=0) if (labels == k).any() else np.zeros(x.shape[1]) for k in range(count)]
+    )
     within = x - centres[labels]
     precision = np.linalg.inv(within.T @ within / max(len(x) - count, 1) + ridge * np.eye(x.shape[1]))
     weights = precision @ centres.T
     return Classifier(weights, -0.5 * (centres * weights.T).sum(axis=1), mean, spread, 1.0)
 
 
-def accuracy(features: np.ndarray, labels: np.ndarray, surfaces: np.ndarray, probes: np.ndarray, metals: np.ndarray) -> tuple[float, float]:
-    """Shares named right, and told right as metal or not, of pictures (n) whose surface and whose probe were both held out, by fifths."""
+def accuracy(
+    features: np.ndarray, labels: np.ndarray, surfaces: np.ndarray, probes: np.ndarray, metals: np.ndarray
+) -> tuple[float, float]:
+    """Shares named right, and told right as metal or not, of pictures (n) whose surface and whose probe were both held
+    out, by fifths.
+    """
     named = np.full(len(labels), -1)
     for fold in range(25):
         mesh, light = surfaces % 5 == fold % 5, probes % 5 == fold // 5

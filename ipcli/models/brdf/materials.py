@@ -65,7 +65,9 @@ class Network:
     def __call__(self, light: np.ndarray, view: np.ndarray) -> np.ndarray:
         """See `Brdf`."""
         half, difference = half_difference(light, view)
-        x = np.concatenate([half[..., [0]], np.zeros_like(half[..., :1]), half[..., [2]], difference], axis=-1).astype(np.float32)
+        x = np.concatenate([half[..., [0]], np.zeros_like(half[..., :1]), half[..., [2]], difference], axis=-1).astype(
+            np.float32
+        )
         w = self.weights
         x = np.maximum(x @ w["k1"] + w["b1"], 0)
         x = np.maximum(x @ w["k2"] + w["b2"], 0)
@@ -75,7 +77,9 @@ class Network:
 
 @dataclass(frozen=True)
 class Abc:
-    """The ABC model of smooth surfaces (Loew et al., TOG 2012): diffuse + A / (1 + B (1 - cos theta_half))^C, Fresnel, shadowing."""
+    """The ABC model of smooth surfaces (Loew et al., TOG 2012): diffuse + A / (1 + B (1 - cos theta_half))^C, Fresnel,
+    shadowing.
+    """
 
     diffuse: tuple[float, ...]  # RGB
     scale: tuple[float, ...]  # A, RGB
@@ -98,7 +102,9 @@ class Abc:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A measured table (90, 90, 180, 3) over half and difference angles, as MERL stores them (Matusik et al., TOG 2003)."""
+    """A measured table (90, 90, 180, 3) over half and difference angles, as MERL stores them (Matusik et al., TOG
+    2003).
+    """
 
     values: np.ndarray
 

@@ -16,9 +16,9 @@ from ipcli.models.brdf.grid import inflate, normals
 from ipcli.models.brdf.library import Library
 from ipcli.models.brdf.material import statistics
 from ipcli.models.brdf.parameters import Inference
+from ipcli.models.brdf.refine import forward_normals, refine
 from ipcli.models.brdf.reflectance import Chart, Harmonics, chart_normals
 from ipcli.models.brdf.rim import features
-from ipcli.models.brdf.refine import forward_normals, refine
 from ipcli.models.brdf.sheet import Explained, representatives, sheet
 from ipcli.models.brdf.solid import Pictured, Shape, enlarge, pictured, solid
 
@@ -51,7 +51,9 @@ class Reconstruction:
         return self._summed(library.probe, len(library.probes))
 
     def material_posterior(self, library: Library) -> np.ndarray:
-        """Posterior of the classifier times the weights of the maps summed over probes and headings (b,), where there are any."""
+        """Posterior of the classifier times the weights of the maps summed over probes and headings (b,), where there
+        are any.
+        """
         summed = self._summed(library.material, len(library.materials))
         joint = self.by_look * np.where(np.isnan(summed), 1.0, summed)
         return joint / joint.sum() if joint.sum() > 0 else self.by_look
@@ -63,7 +65,7 @@ class Reconstruction:
 
 
 @dataclass(frozen=True, eq=False)
-class _Picture:
+class _Sizes:
     """The picture at the sizes that are needed."""
 
     mask: np.ndarray
@@ -80,7 +82,9 @@ def reconstruct(
     tell: Callable[[float, str], None] = lambda share, what: None,
 ) -> Reconstruction:
     """The surface in a linear picture (h, w, 3) cropped to its mask (h, w)."""
-    picture = _Picture(mask, pictured(colour, mask, params.side), pictured(colour, mask, params.sweep_side), inflate(mask))
+    picture = _Sizes(
+        mask, pictured(colour, mask, params.side), pictured(colour, mask, params.sweep_side), inflate(mask)
+    )
     found = features(picture.fine)
     share = {"solid": 0.0, "sheet": 1.0, "mixed": 0.5}.get(params.rim, float(library.judge.sheet(found)))
     share = 0.0 if share < params.least else 1.0 if share > 1 - params.least else share
@@ -91,13 +95,15 @@ def reconstruct(
     explained = None
     if share > 0:
         tables = library.grey()[maps]
-        explained = sheet(picture.fine, picture.coarse, tables, params.sheet, lambda done: tell(0.2 + 0.7 * done, "maps"))
+        explained = sheet(
+            picture.fine, picture.coarse, tables, params.sheet, lambda done: tell(0.2 + 0.7 * done, "maps")
+        )
     if params.refine == "convex" and shape is not None:
         shape = _refined(picture, params, shape)
     return _joined(picture, params, library, share, found, shape, tie, explained, maps)
 
 
-def _solid(picture: _Picture, params: Inference) -> tuple[Shape, float]:
+def _solid(picture: _Sizes, params: Inference) -> tuple[Shape, float]:
     """The relief that is asked for, and by how much the picture prefers it to the other one."""
     convex = solid(picture.fine, params.solid)
     concave = solid(picture.fine, params.solid, prior=-picture.fine.inflated)
@@ -105,7 +111,7 @@ def _solid(picture: _Picture, params: Inference) -> tuple[Shape, float]:
     return first, (other.energy - first.energy) / max((other.energy + first.energy) / 2, 1e-12)
 
 
-def _refined(picture: _Picture, params: Inference, shape: Shape) -> Shape:
+def _refined(picture: _Sizes, params: Inference, shape: Shape) -> Shape:
     """The solid after the convex refinement: another solver of the same terms, with TGV in place of bending."""
     grid = picture.fine.grid
     height = grid.image(shape.height, 0.0)
@@ -121,7 +127,7 @@ def _takes_concave(relief: str, convex: Shape) -> bool:
 
 
 def _joined(
-    picture: _Picture,
+    picture: _Sizes,
     params: Inference,
     library: Library,
     share: float,
@@ -166,8 +172,9 @@ def _sign(shape: Shape | None) -> float:
     return -1.0 if shape is not None and shape.is_concave else 1.0
 
 
-def _full(picture: _Picture, height: np.ndarray, relief: float) -> np.ndarray:
-    """A shape on the small grid at full size: the balloon is blown up anew, only the displacement from it is enlarged."""
+def _full(picture: _Sizes, height: np.ndarray, relief: float) -> np.ndarray:
+    """A shape on the small grid at full size: the balloon is blown up anew, only the displacement from it is "
+    "enlarged."""
     small = picture.fine
     moved = enlarge(height - relief * small.inflated, small.grid.mask, picture.mask)
     whole = relief * picture.balloon + moved

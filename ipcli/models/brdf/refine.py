@@ -1,10 +1,12 @@
-"""Refinement of a height field by convex optimisation: normals, shading through a normal of its own, TGV^2 of the height (7.8)-(7.10).
+"""Refinement of a height field by convex optimisation: normals, shading through a normal of its own, TGV^2 of the
+height (7.8)-(7.10).
 
     min_z  w |T0' (-z_x, -z_y, 1)| + (1 / theta) |Tv' (-z_x, -z_y, 1)| + TGV^2(z),     T0 = null(n0), Tv = null(nu)
 
-The thesis linearises n(z) = T grad z + n_l, which has no fixed point but flat surfaces. |T0' m| = |m| sin(angle(m, n0)) is
-convex, linear in grad z, and needs no relinearisation. The shading acts on the normal nu by a search in the table R(nu)
-near n(z), weighed by 1 / theta, which grows. `thesis_sweeps` is the printed scheme, kept to document what it does.
+The thesis linearises n(z) = T grad z + n_l, which has no fixed point but flat surfaces. |T0' m| = |m| sin(angle(m,
+n0)) is convex, linear in grad z, and needs no relinearisation. The shading acts on the normal nu by a search in the
+table R(nu) near n(z), weighed by 1 / theta, which grows. `thesis_sweeps` is the printed scheme, kept to document what
+it does.
 """
 
 from __future__ import annotations
@@ -13,7 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipcli.inverse.regularize.operators import gradient, gradient_adjoint, symmetrised_gradient, symmetrised_gradient_adjoint
+from ipcli.inverse.regularize.operators import (
+    gradient,
+    gradient_adjoint,
+    symmetrised_gradient,
+    symmetrised_gradient_adjoint,
+)
 from ipcli.inverse.regularize.pdhg import pdhg
 from ipcli.inverse.regularize.proximal import project_balls
 from ipcli.models.brdf.energy import tangents
@@ -54,7 +61,9 @@ def slopes(z: np.ndarray, inside: np.ndarray) -> np.ndarray:
 
 
 def links(mask: np.ndarray) -> np.ndarray:
-    """Signed mask (2, h, w) of the forward differences that stay in the mask; rows run down, so the second is negative."""
+    """Signed mask (2, h, w) of the forward differences that stay in the mask; rows run down, so the second is
+    negative.
+    """
     inside = np.zeros((2, *mask.shape))
     inside[0, :, :-1] = mask[:, 1:] & mask[:, :-1]
     inside[1, :-1] = -(mask[1:] & mask[:-1]).astype(float)
@@ -136,8 +145,11 @@ def forward_normals(z: np.ndarray, mask: np.ndarray) -> np.ndarray:
     return m / np.linalg.norm(m, axis=-1, keepdims=True)
 
 
-def search(n: np.ndarray, intensity: np.ndarray, mask: np.ndarray, reflectance: Map, theta: float, params: Refinement) -> np.ndarray:
-    """Normals nu (h, w, 3) of least |I - R(nu)| + |nu - n|^2 / (2 theta) among those of a table within a cap about n."""
+def search(
+    n: np.ndarray, intensity: np.ndarray, mask: np.ndarray, reflectance: Map, theta: float, params: Refinement
+) -> np.ndarray:
+    """Normals nu (h, w, 3) of least |I - R(nu)| + |nu - n|^2 / (2 theta) among those of a table within a cap "
+    "about n."""
     offsets = np.linspace(-1, 1, params.candidates) * np.sin(np.radians(params.cap))
     dx, dy = (part.ravel() for part in np.meshgrid(offsets, offsets))
     own, seen = n[mask], intensity[mask]
@@ -156,7 +168,9 @@ def search(n: np.ndarray, intensity: np.ndarray, mask: np.ndarray, reflectance: 
     return nu
 
 
-def thesis_sweeps(height: np.ndarray, n0: np.ndarray, mask: np.ndarray, iterations: int, *, weight: float = 1.0) -> np.ndarray:
+def thesis_sweeps(
+    height: np.ndarray, n0: np.ndarray, mask: np.ndarray, iterations: int, *, weight: float = 1.0
+) -> np.ndarray:
     """The printed iteration of 7.6 without shading, from a height: n_l <- P(T D z + n_l) adds the slope every sweep.
 
     It has no fixed point but a flat surface, and flattens even the true one; kept for the test that shows it.

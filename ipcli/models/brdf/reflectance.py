@@ -103,8 +103,8 @@ def frames(normals: np.ndarray) -> np.ndarray:
 def transfer(brdf: Brdf, normals: np.ndarray, directions: np.ndarray) -> np.ndarray:
     """T (n, d, 3) = f cos(theta) d omega, so that the outgoing radiance to the viewer at +z is sum_d T L (n, 3).
 
-    `directions` (d, 3) share the sphere equally. Lobes narrower than their spacing are blurred by it, not lost: the row is
-    rescaled to the directional albedo of a finer quadrature around the mirror direction.
+    `directions` (d, 3) share the sphere equally. Lobes narrower than their spacing are blurred by it, not lost: the
+    row is rescaled to the directional albedo of a finer quadrature around the mirror direction.
     """
     turned = frames(normals)
     view = turned[:, :, 2]
@@ -151,7 +151,9 @@ def _polar(cosine: np.ndarray, azimuth: np.ndarray) -> np.ndarray:
 
 
 def charts(brdf: Brdf, lights: list[Light], side: int = SIDE, coarse: int = 33) -> np.ndarray:
-    """Colour charts (k, side, side, 3) of a material under lights; the transfer matrix is made once, on `coarse` normals."""
+    """Colour charts (k, side, side, 3) of a material under lights; the transfer matrix is made once, on `coarse`
+    normals.
+    """
     normals = chart_normals(coarse)
     directions = sphere(len(lights[0].radiance))
     stack = np.stack([light.radiance for light in lights], axis=-1)  # (d, 3, k)

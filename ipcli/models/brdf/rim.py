@@ -1,7 +1,9 @@
-"""Is a silhouette an occluding rim, where the surface turns away (a solid), or a cut edge (a sheet)? Posterior from generated scenes.
+"""Is a silhouette an occluding rim, where the surface turns away (a solid), or a cut edge (a sheet)? Posterior from
+generated scenes.
 
-A logistic regression on features of picture and mask. The label of a generated scene is not what it was made as, but which
-prior shape serves better: 1 when the balloon at `relief` of its height has less error of its normals than the balloon.
+A logistic regression on features of picture and mask. The label of a generated scene is not what it was made as, but
+which prior shape serves better: 1 when the balloon at `relief` of its height has less error of its normals than the
+balloon.
 """
 
 from __future__ import annotations
@@ -110,9 +112,13 @@ def _of_picture(picture: Pictured) -> list[float]:
         _explained(_harmonics(n, 3), intensity),
         _explained(_cubic(at), intensity),
         _explained(waves[rim], intensity[rim]) if rim.sum() > 12 else 0.0,
-        float(np.log((slope[edge].mean() + 1e-3) / (slope[middle].mean() + 1e-3))) if edge.any() and middle.any() else 0.0,
+        float(np.log((slope[edge].mean() + 1e-3) / (slope[middle].mean() + 1e-3)))
+        if edge.any() and middle.any()
+        else 0.0,
         float(intensity.std() / max(intensity.mean(), 1e-9)),
-        float(np.log((intensity[rim].mean() + 0.05) / (intensity[~rim].mean() + 0.05))) if rim.any() and not rim.all() else 0.0,
+        float(np.log((intensity[rim].mean() + 0.05) / (intensity[~rim].mean() + 0.05)))
+        if rim.any() and not rim.all()
+        else 0.0,
     ]
 
 

@@ -14,7 +14,7 @@ SMALLEST = 0.06  # share of the picture that an object fills at least
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class PicturedScene:
     """A surface and a linear picture of it."""
 
     surface: Surface
@@ -40,11 +40,11 @@ def cropped(made: Surface) -> Surface:
     return Surface(made.mask[box], made.height[box], made.normals[box], made.is_sheet, made.name)
 
 
-def scene(made: Surface, charts: Sequence[np.ndarray], rng: np.random.Generator, noise: float = 0.01) -> Scene:
+def scene(made: Surface, charts: Sequence[np.ndarray] | np.ndarray, rng: np.random.Generator, noise: float = 0.01) -> PicturedScene:
     """A picture of the surface through one of the colour charts (s, s, 3): noise, clipped highlights, 8 bits."""
     index = int(rng.integers(len(charts)))
     picture = photograph(made, charts[index], rng, noise)
-    return Scene(made, picture, index)
+    return PicturedScene(made, picture, index)
 
 
 def photograph(made: Surface, chart: np.ndarray, rng: np.random.Generator, noise: float = 0.01) -> np.ndarray:

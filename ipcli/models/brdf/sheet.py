@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipcli.models.brdf.energy import ANCHOR, Problem, cell_normals, gauss_newton, linearise, log_determinant
+from ipcli.models.brdf.energy import ANCHOR, ShadedProblem, cell_normals, gauss_newton, linearise, log_determinant
 from ipcli.models.brdf.parameters import Sheet, Weights
 from ipcli.models.brdf.reflectance import Chart
 from ipcli.models.brdf.solid import Pictured
@@ -43,7 +43,9 @@ def sheet(
     params: Sheet,
     tell: Callable[[float], None] = lambda share: None,
 ) -> Explained:
-    """The surface of a sheet seen through one of grey charts (j, s, s); `small` is the same picture on the grid of the sweep."""
+    """The surface of a sheet seen through one of grey charts (j, s, s); `small` is the same picture on the grid of the
+    sweep.
+    """
     weights = replace(params.weights, bending=params.weights.bending * params.sweep_bending)
     coarse = _problem(small, params, weights)
     fine = _problem(picture, params, params.weights)
@@ -66,12 +68,12 @@ def sheet(
     return Explained(energies, evidence, weight, tuple(map(int, best)), share, heights, scales, mean, first)
 
 
-def _problem(picture: Pictured, params: Sheet, weights: Weights) -> Problem:
+def _problem(picture: Pictured, params: Sheet, weights: Weights) -> ShadedProblem:
     prior = params.relief * picture.inflated
-    return Problem(picture.grid, picture.intensity, prior, cell_normals(picture.grid, prior), weights)
+    return ShadedProblem(picture.grid, picture.intensity, prior, cell_normals(picture.grid, prior), weights)
 
 
-def _judged(problem: Problem, chart: Chart, params: Sheet) -> tuple[float, float]:
+def _judged(problem: ShadedProblem, chart: Chart, params: Sheet) -> tuple[float, float]:
     from scipy.sparse import identity
 
     height, chart = _solved(problem, chart, params.sweep_steps)
@@ -79,7 +81,7 @@ def _judged(problem: Problem, chart: Chart, params: Sheet) -> tuple[float, float
     return here.energy, log_determinant(here.hessian + 1e3 * ANCHOR * identity(problem.grid.size, format="csr"))
 
 
-def _solved(problem: Problem, chart: Chart, steps: int, pieces: int = 3) -> tuple[np.ndarray, Chart]:
+def _solved(problem: ShadedProblem, chart: Chart, steps: int, pieces: int = 3) -> tuple[np.ndarray, Chart]:
     """Shape and scale in turn."""
     height = problem.prior
     for _ in range(pieces):
@@ -88,7 +90,7 @@ def _solved(problem: Problem, chart: Chart, steps: int, pieces: int = 3) -> tupl
     return height, chart
 
 
-def fit_scale(problem: Problem, chart: Chart, height: np.ndarray) -> Chart:
+def fit_scale(problem: ShadedProblem, chart: Chart, height: np.ndarray) -> Chart:
     """The map at the brightness that explains the picture best, robustly."""
     n = cell_normals(problem.grid, height)
     shade = chart.slopes(n)[0] / chart.scale
@@ -99,13 +101,15 @@ def fit_scale(problem: Problem, chart: Chart, height: np.ndarray) -> Chart:
     return Chart(chart.table, max(scale, 1e-6))
 
 
-def _residual(problem: Problem, chart: Chart, height: np.ndarray) -> float:
+def _residual(problem: ShadedProblem, chart: Chart, height: np.ndarray) -> float:
     n = cell_normals(problem.grid, height)
     return float(np.abs(problem.intensity - chart.slopes(n)[0]).mean())
 
 
 def representatives(tables: np.ndarray, count: int) -> np.ndarray:
-    """Indices of `count` charts that cover all (j, s, s): each the farthest from those before, after division by the mean."""
+    """Indices of `count` charts that cover all (j, s, s): each the farthest from those before, after division by the
+    mean.
+    """
     flat = tables[:, ::4, ::4].reshape(len(tables), -1)
     flat = flat / np.maximum(flat.mean(axis=1, keepdims=True), 1e-12)
     chosen = [int(np.linalg.norm(flat - flat.mean(axis=0), axis=1).argmin())]
@@ -114,5 +118,3 @@ def representatives(tables: np.ndarray, count: int) -> np.ndarray:
         chosen.append(int(distance.argmax()))
         distance = np.minimum(distance, np.linalg.norm(flat - flat[chosen[-1]], axis=1))
     return np.array(sorted(chosen))
-
-

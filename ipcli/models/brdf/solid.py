@@ -1,7 +1,8 @@
-"""A solid from its own picture: the silhouette is an occluding rim, and the light is found with the shape (self-calibration).
+"""A solid from its own picture: the silhouette is an occluding rim, and the light is found with the shape (self-
+calibration).
 
-The prior shape is the inflated silhouette. In turn, the reflectance map is fitted to the picture as harmonics of order 2 on
-the normals of the present shape, and the shape is moved by Gauss-Newton on the energy given the map.
+The prior shape is the inflated silhouette. In turn, the reflectance map is fitted to the picture as harmonics of order
+2 on the normals of the present shape, and the shape is moved by Gauss-Newton on the energy given the map.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipcli.models.brdf.energy import Problem, cell_normals, energy, gauss_newton
+from ipcli.models.brdf.energy import ShadedProblem, cell_normals, energy, gauss_newton
 from ipcli.models.brdf.grid import Grid, grid, inflate
 from ipcli.models.brdf.parameters import Solid
 from ipcli.models.brdf.reflectance import BANDS, Harmonics, harmonic_basis
@@ -42,7 +43,9 @@ class Shape:
 
 
 def pictured(colour: np.ndarray, mask: np.ndarray, side: int) -> Pictured:
-    """A linear picture (h, w, 3) and its mask (h, w), made small so that the longest side of the mask has `side` pixels."""
+    """A linear picture (h, w, 3) and its mask (h, w), made small so that the longest side of the mask has `side`
+    pixels.
+    """
     small, small_mask = shrink(colour, mask, side)
     of_mask = grid(small_mask)
     values = small[small_mask]
@@ -52,7 +55,9 @@ def pictured(colour: np.ndarray, mask: np.ndarray, side: int) -> Pictured:
 
 
 def shrink(colour: np.ndarray, mask: np.ndarray, side: int) -> tuple[np.ndarray, np.ndarray]:
-    """Picture and mask at the size of inference, averaged over the mask only; never enlarged. Cropped to the mask by the caller."""
+    """Picture and mask at the size of inference, averaged over the mask only; never enlarged. Cropped to the mask by
+    the caller.
+    """
     import cv2
 
     h, w = mask.shape
@@ -64,7 +69,9 @@ def shrink(colour: np.ndarray, mask: np.ndarray, side: int) -> tuple[np.ndarray,
 
 
 def fit_harmonics(intensity: np.ndarray, normals: np.ndarray, ridge: float, width: float = 0.03) -> Harmonics:
-    """Harmonics that explain intensities (c,) at normals (c, 3): robust least squares with a ridge on all but the constant."""
+    """Harmonics that explain intensities (c,) at normals (c, 3): robust least squares with a ridge on all but the
+    constant.
+    """
     basis = harmonic_basis(normals)
     hold = ridge * len(basis) * np.diag([0.0] + [1.0] * (BANDS - 1)) + 1e-9 * np.eye(BANDS)
     weight = np.ones(len(basis))
@@ -81,7 +88,7 @@ def solid(picture: Pictured, params: Solid, prior: np.ndarray | None = None, sta
     height = prior if start is None else start
     labels = colours(picture, params.albedos)
     n0 = cell_normals(picture.grid, prior)
-    problem = Problem(picture.grid, picture.intensity, prior, n0, params.weights)
+    problem = ShadedProblem(picture.grid, picture.intensity, prior, n0, params.weights)
     omega = 0.0
     for turn in range(params.rounds + 1):
         n = cell_normals(picture.grid, height)
@@ -94,10 +101,14 @@ def solid(picture: Pictured, params: Solid, prior: np.ndarray | None = None, sta
         height = gauss_newton(problem, reflectance, omega, height, steps)
     n = cell_normals(picture.grid, height)
     residual = float(np.abs(problem.intensity - reflectance.slopes(n)[0]).mean())
-    return Shape(height, reflectance, omega, residual, energy(problem, reflectance, omega, height), albedo, bool(prior.sum() < 0))
+    return Shape(
+        height, reflectance, omega, residual, energy(problem, reflectance, omega, height), albedo, bool(prior.sum() < 0)
+    )
 
 
-def without_albedo(intensity: np.ndarray, normals: np.ndarray, labels: np.ndarray, ridge: float) -> tuple[np.ndarray, np.ndarray]:
+def without_albedo(
+    intensity: np.ndarray, normals: np.ndarray, labels: np.ndarray, ridge: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Intensities (c,) over the brightness of the colour of each cell, and that brightness, 1 on average."""
     albedo = np.ones(len(intensity))
     if labels.max(initial=0) == 0:
@@ -113,7 +124,9 @@ def without_albedo(intensity: np.ndarray, normals: np.ndarray, labels: np.ndarra
 def colours(picture: Pictured, most: int, spread: float = 0.1) -> np.ndarray:
     """The colour (c,) int of each cell: k-means on log R/G and log B/G; all 0 when they do not differ by `spread`."""
     values = np.maximum(picture.colour, 0.01)
-    chroma = picture.grid.on_cells(np.stack([np.log(values[:, 0] / values[:, 1]), np.log(values[:, 2] / values[:, 1])], axis=-1))
+    chroma = picture.grid.on_cells(
+        np.stack([np.log(values[:, 0] / values[:, 1]), np.log(values[:, 2] / values[:, 1])], axis=-1)
+    )
     labels = np.zeros(len(chroma), int)
     if most < 2 or len(chroma) < 10 * most or np.linalg.norm(chroma.std(axis=0)) < spread:
         return labels
@@ -129,14 +142,17 @@ def _kmeans(points: np.ndarray, count: int, rounds: int = 30) -> tuple[np.ndarra
     labels = np.zeros(len(points), int)
     for _ in range(rounds):
         labels = ((points[:, None] - centres) ** 2).sum(axis=-1).argmin(axis=1)
-        centres = np.stack([points[labels == k].mean(axis=0) if (labels == k).any() else centres[k] for k in range(count)])
+        centres = np.stack(
+            [points[labels == k].mean(axis=0) if (labels == k).any() else centres[k] for k in range(count)]
+        )
     return centres, labels
 
 
 def enlarge(values: np.ndarray, small_mask: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """A displacement (n,) in pixels of the small grid as an image (h, w) on the full mask, in its pixels; 0 outside.
 
-    Beyond the small mask it goes on as the nearest pixel has it; between the pixels it is a cubic spline, which keeps slopes.
+    Beyond the small mask it goes on as the nearest pixel has it; between the pixels it is a cubic spline, which keeps
+    slopes.
     """
     from scipy.ndimage import distance_transform_edt, map_coordinates
 

@@ -1,7 +1,7 @@
 """Procedural surfaces seen along -z: solids as implicit functions that rays are marched into, and folded sheets.
 
-Everything lives in the square [-1, 1]^2, x right, y up, z to the viewer. A solid is a function of points (..., 3) that is
-negative inside; unions are minima. Heights come out in pixels of the picture.
+Everything lives in the square [-1, 1]^2, x right, y up, z to the viewer. A solid is a function of points (..., 3) that
+is negative inside; unions are minima. Heights come out in pixels of the picture.
 """
 
 from __future__ import annotations
@@ -66,7 +66,9 @@ def ellipsoid(radii: np.ndarray, exponent: float = 2.0) -> Implicit:
 
 def revolved(profile: Callable[[np.ndarray], np.ndarray], length: float) -> Implicit:
     """A surface of revolution about y with radius profile(t), t in [-1, 1] over |y| < length."""
-    return lambda p: np.maximum(np.hypot(p[..., 0], p[..., 2]) - profile(np.clip(p[..., 1] / length, -1, 1)), np.abs(p[..., 1]) - length)
+    return lambda p: np.maximum(
+        np.hypot(p[..., 0], p[..., 2]) - profile(np.clip(p[..., 1] / length, -1, 1)), np.abs(p[..., 1]) - length
+    )
 
 
 def torus(radius: float, tube: float) -> Implicit:
@@ -96,7 +98,9 @@ def gear(teeth: int, depth: float, thickness: float) -> Implicit:
 
 
 def bowl(radius: float, wall: float, opening: float) -> Implicit:
-    """A round shell open to the viewer: what is left of a ball when a smaller one and all before z = opening are taken out."""
+    """A round shell open to the viewer: what is left of a ball when a smaller one and all before z = opening are taken
+    out.
+    """
 
     def inside(p: np.ndarray) -> np.ndarray:
         r = np.linalg.norm(p, axis=-1)
@@ -130,9 +134,22 @@ def rotation(rng: np.random.Generator, most: float = np.pi) -> np.ndarray:
 
 
 def random_solid(rng: np.random.Generator, side: int) -> Surface:
-    """One of the families: rounded boxes, potatoes, vases, cans, cups with a handle, rings, tubes, gear wheels, bowls."""
-    name = str(rng.choice(["box", "potato", "potato", "vase", "vase", "can", "can", "cup", "ring", "tube", "gear", "bowl"]))
-    makers = {"box": _box, "potato": _potato, "vase": _vase, "can": _can, "cup": _cup, "ring": _ring, "tube": _tube, "gear": _gear, "bowl": _bowl}
+    """One of the families: rounded boxes, potatoes, vases, cans, cups with a handle, rings, tubes, gear wheels, "
+    "bowls."""
+    name = str(
+        rng.choice(["box", "potato", "potato", "vase", "vase", "can", "can", "cup", "ring", "tube", "gear", "bowl"])
+    )
+    makers = {
+        "box": _box,
+        "potato": _potato,
+        "vase": _vase,
+        "can": _can,
+        "cup": _cup,
+        "ring": _ring,
+        "tube": _tube,
+        "gear": _gear,
+        "bowl": _bowl,
+    }
     return march(makers[name](rng), side, name)
 
 
@@ -206,7 +223,9 @@ def _bowl(rng: np.random.Generator) -> Implicit:
 
 
 def random_sheet(rng: np.random.Generator, side: int) -> Surface:
-    """A cut piece of paper, cloth, foil or a filled bag: a polygon with straight or torn edges, bent, waved or stuffed."""
+    """A cut piece of paper, cloth, foil or a filled bag: a polygon with straight or torn edges, bent, waved or
+    stuffed.
+    """
     mask = _outline(rng, side)
     axis = (np.arange(side) + 0.5) / side * 2 - 1
     x, y = np.meshgrid(axis, -axis)
@@ -215,7 +234,9 @@ def random_sheet(rng: np.random.Generator, side: int) -> Surface:
     z = rng.uniform(0, 0.25) * np.sin(rng.uniform(0.8, 4) * along + rng.uniform(0, 6.28))
     for _ in range(int(rng.integers(0, 5))):  # waves and wrinkles
         k = rng.normal(0, rng.choice([2.0, 5.0]), 2)
-        z = z + rng.uniform(0, 0.12) / max(1.0, float(np.linalg.norm(k))) * 2 * np.sin(k[0] * x + k[1] * y + rng.uniform(0, 6.28))
+        z = z + rng.uniform(0, 0.12) / max(1.0, float(np.linalg.norm(k))) * 2 * np.sin(
+            k[0] * x + k[1] * y + rng.uniform(0, 6.28)
+        )
     z = z + rng.uniform(-0.4, 0.4) * x + rng.uniform(-0.4, 0.4) * y
     if rng.uniform() < 0.4:
         z = z + rng.uniform(0.05, 0.35) * _pillow(mask)
@@ -246,11 +267,15 @@ def _outline(rng: np.random.Generator, side: int) -> np.ndarray:
         corners = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * rng.uniform(0.5, 0.85, (count, 1))
     else:
         angle = np.linspace(0, 2 * np.pi, 60, endpoint=False)
-        lobes = 0.6 + rng.uniform(0.05, 0.2) * np.cos(int(rng.integers(2, 7)) * angle + rng.uniform(0, 6)) * rng.choice([1, 2])
+        lobes = 0.6 + rng.uniform(0.05, 0.2) * np.cos(int(rng.integers(2, 7)) * angle + rng.uniform(0, 6)) * rng.choice(
+            [1, 2]
+        )
         corners = np.stack([np.cos(angle), rng.uniform(0.5, 1) * np.sin(angle)], axis=-1) * lobes[:, None]
     spin = rng.uniform(0, 2 * np.pi) if rng.uniform() < 0.6 else rng.uniform(-0.1, 0.1)
     corners = corners @ np.array([[np.cos(spin), -np.sin(spin)], [np.sin(spin), np.cos(spin)]])
-    dense = np.concatenate([np.linspace(a, b, 24, endpoint=False) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)])
+    dense = np.concatenate(
+        [np.linspace(a, b, 24, endpoint=False) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
+    )
     t = np.linspace(0, 2 * np.pi, len(dense), endpoint=False)
     torn = sum(rng.normal(0, 0.01) * np.cos(k * t + rng.uniform(0, 6.28)) for k in range(3, 12)) * rng.uniform(0, 1.5)
     dense = np.clip(dense * (1 + torn[:, None]), -0.95, 0.95)

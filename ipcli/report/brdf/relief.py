@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ipcli.report.page import Markup, element
-from ipcli.report.pictures import Picture, palette, photograph, thin
+from ipcli.report.kit.page import Markup, element
+from ipcli.report.kit.pictures import Picture, palette, photograph, thin
 
 FRAMES = 20
 WIDEST = 320  # pixels of a frame
@@ -16,7 +16,8 @@ LAMP = 0.9  # radians from the line of sight
 SWING = 50.0  # degrees to each side
 GROUND = (36, 38, 43)
 STYLE = Markup(
-    ".film{overflow:hidden;position:relative;border-radius:3px}.film img{position:absolute;left:0;top:0;width:100%;height:auto}"
+    ".film{overflow:hidden;position:relative;border-radius:3px}.film "
+    "img{position:absolute;left:0;top:0;width:100%;height:auto}"
     "@media(prefers-reduced-motion:no-preference){.film img{animation:film 5s steps(var(--frames)) infinite}}"
     "@keyframes film{to{transform:translateY(-100%)}}"
 )
@@ -61,8 +62,12 @@ def swinging(height: np.ndarray, normals: np.ndarray, colours: np.ndarray | None
     return [seen(height, normals, float(angle), colours) for angle in angles]
 
 
-def seen(height: np.ndarray, normals: np.ndarray, yaw: float, colours: np.ndarray | None = None, pitch: float = 12.0) -> np.ndarray:
-    """The relief (h, w) from a viewpoint turned by degrees, orthographic: points through a z-buffer, lit from the upper left."""
+def seen(
+    height: np.ndarray, normals: np.ndarray, yaw: float, colours: np.ndarray | None = None, pitch: float = 12.0
+) -> np.ndarray:
+    """The relief (h, w) from a viewpoint turned by degrees, orthographic: points through a z-buffer, lit from the
+    upper left.
+    """
     small, n = thin(height, WIDEST), thin(normals, WIDEST)
     scale = small.shape[1] / height.shape[1]
     lamp = np.array([-0.45, 0.55, 0.7]) / np.linalg.norm([-0.45, 0.55, 0.7])

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from ipcli.errors import NoSolution
+from ipcli.geometry.relief import closed, front
+from ipcli.io.files import h5, images, ply
+from ipcli.io.materials import photographs
+from ipcli.io.materials.photographs import Photograph
+from ipcli.io.meshes import stl
+from ipcli.models.brdf import evaluation
+from ipcli.models.brdf.library import Library
+from ipcli.models.brdf.reconstruct import Reconstruction, baselines, reconstruct
+from ipcli.models.brdf.rim import FEATURES
 from ipcli.params import Run
-from ipcli.stages.brdf.parameters import ModelParams
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from ipcli.io.materials.photographs import Photograph
-    from ipcli.models.brdf.reconstruct import Reconstruction
-    from ipcli.stages.artefact import Outcome
+from ipcli.progress import Progress, silent
+from ipcli.stages.brdf.parameters import BrdfModel
+from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
+from ipcli.stages.kit.pages import page
 
 TIE = 0.1  # difference of the two energies over their mean below which a picture does not tell convex from concave
 SUMMARISED = ("sheet", "residual", "tie", "materials", "material_posterior", "metrics")
@@ -40,33 +48,20 @@ class Source:
         return tuple(p for p in (self.library, self.photo, self.mask, self.truth_normals, self.truth_height) if p)
 
 
-def run(
-    source: Source, output: Path, params: ModelParams, run: Run, progress: Callable[[float, str], None] = lambda share, what: None
-) -> Outcome:
-    """Write the object and beside it a mesh (.ply), a printable relief (.stl), a normal map (.normals.png) and a page (.html)."""
-    from ipcli.stages.artefact import Job, make
-
-    beside = {
+def run(source: Source, output: Path, params: BrdfModel, run: Run, progress: Progress = silent) -> Outcome:
+    """Write the object and beside it a mesh (.ply), a printable relief (.stl), a normal map (.png) and a page "
+    "(.html)."""
+    beside: dict[Path, Beside] = {
         output.with_suffix(".ply"): write_mesh,
-        output.with_suffix(".stl"): _with(write_relief, params),
-        output.with_suffix(".normals.png"): _with(write_normals, params),
-        output.with_suffix(".html"): write_report,
-    }
+        output.with_suffix(".stl"): partial(write_relief, params),
+        output.with_suffix(".png"): partial(write_normals, params),
+    } | page(output, "brdf-object")
     job = Job(output, "brdf-object", "brdf-model", params, source.inputs, beside)
     return make(job, lambda: modelled(source, params, progress), run)
 
 
-def _with(write: Callable, params: ModelParams) -> Callable:
-    return lambda path, arrays, provenance: write(path, arrays, provenance, params)
-
-
-def modelled(source: Source, params: ModelParams, progress: Callable[[float, str], None]) -> dict[str, np.ndarray]:
+def modelled(source: Source, params: BrdfModel, progress: Progress) -> dict[str, np.ndarray]:
     """The arrays of the `brdf-object` artefact."""
-    from ipcli.io import h5
-    from ipcli.io.materials import photographs
-    from ipcli.models.brdf.library import Library
-    from ipcli.models.brdf.reconstruct import reconstruct
-
     shelf = Library.of(h5.read(source.library, "brdf-library").arrays)
     photo = photographs.read(source.photo, source.mask, params.response)
     box = box_of(photo.mask)
@@ -82,17 +77,14 @@ def modelled(source: Source, params: ModelParams, progress: Callable[[float, str
 
 def box_of(mask: np.ndarray) -> tuple[slice, slice]:
     """Rows and columns of the mask."""
-    import numpy as np
-
     rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
     return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
 
 
-def described(made: Reconstruction, photo: Photograph, box: tuple[slice, slice], shelf: Any, params: ModelParams) -> dict[str, np.ndarray]:
+def described(
+    made: Reconstruction, photo: Photograph, box: tuple[slice, slice], shelf: Any, params: BrdfModel
+) -> dict[str, np.ndarray]:
     """The surface in the frame of the picture, and how it came to be."""
-    import numpy as np
-
-    from ipcli.models.brdf.rim import FEATURES
 
     def whole(part: np.ndarray) -> np.ndarray:
         image = np.full((*photo.mask.shape, *part.shape[2:]), np.nan, np.float32)
@@ -102,7 +94,11 @@ def described(made: Reconstruction, photo: Photograph, box: tuple[slice, slice],
     grey = photo.colour.mean(axis=-1)
     scale = max(float(np.percentile(grey[photo.mask], 95)), 1e-9)
     width = params.printing.width
-    extra = {key: whole(part) for key, part in (("solid_height", made.solid_height), ("sheet_height", made.sheet_height)) if part is not None}
+    extra = {
+        key: whole(part)
+        for key, part in (("solid_height", made.solid_height), ("sheet_height", made.sheet_height))
+        if part is not None
+    }
     return extra | {
         "picture": photo.shown,
         "mask": photo.mask.astype(np.uint8),
@@ -113,14 +109,14 @@ def described(made: Reconstruction, photo: Photograph, box: tuple[slice, slice],
         "shading": whole(made.shading),
         "intensity": np.where(photo.mask, grey / scale, np.nan).astype(np.float32),
         "reflectance": made.chart.astype(np.float32),
-        "sheet": np.float64(made.sheet),
+        "sheet": np.array(made.sheet, np.float64),
         "rim_features": np.array(FEATURES),
         "rim_values": made.features,
-        "residual": np.float64(made.residual),
-        "tie": np.float64(made.tie),
-        "light_above": np.uint8(made.is_above),
-        "saturated": np.float64(photo.saturated),
-        "pixel_size": np.float64(width / (box[1].stop - box[1].start) if width else 1.0),
+        "residual": np.array(made.residual),
+        "tie": np.array(made.tie, np.float64),
+        "light_above": np.array(made.is_above, np.uint8),
+        "saturated": np.array(photo.saturated),
+        "pixel_size": np.array(width / (box[1].stop - box[1].start) if width else 1.0, np.float64),
         "unit": np.array("mm" if width else "px"),
         "materials": np.array(shelf.materials),
         "material_posterior": made.material_posterior(shelf),
@@ -131,38 +127,35 @@ def described(made: Reconstruction, photo: Photograph, box: tuple[slice, slice],
 
 def judged(arrays: Mapping[str, np.ndarray], source: Source) -> dict[str, np.ndarray]:
     """Errors of the surface and of the shapes that need no picture, where the truth is given."""
-    import numpy as np
-
-    from ipcli.io.materials import photographs
-    from ipcli.models.brdf import evaluation
-
     mask = arrays["mask"] > 0
     truth = {}
     if source.truth_normals:
-        truth["truth_normals"] = photographs.read_normals(source.truth_normals, source.truth_convention, mask.shape).astype(np.float32)
+        truth["truth_normals"] = photographs.read_normals(
+            source.truth_normals, source.truth_convention, mask.shape
+        ).astype(np.float32)
     if source.truth_height:
         truth["truth_height"] = photographs.read_height(source.truth_height, mask.shape).astype(np.float32)
     if not truth:
         return {}
-    from ipcli.models.brdf.reconstruct import baselines
-
     box = box_of(mask)
     shapes = {"this surface": arrays["height"][box]}
-    shapes |= {name: arrays[key][box] for name, key in (("as a solid", "solid_height"), ("as a sheet", "sheet_height")) if key in arrays}
+    shapes |= {
+        name: arrays[key][box]
+        for name, key in (("as a solid", "solid_height"), ("as a sheet", "sheet_height"))
+        if key in arrays
+    }
     shapes |= baselines(mask[box])
     known = {key: value[box] for key, value in truth.items()}
-    rows = [evaluation.errors(shape, mask[box], known.get("truth_normals"), known.get("truth_height")) for shape in shapes.values()]
+    rows = [
+        evaluation.errors(shape, mask[box], known.get("truth_normals"), known.get("truth_height"))
+        for shape in shapes.values()
+    ]
     columns = np.array(evaluation.COLUMNS)
     return truth | {"metrics": np.array(rows), "metric_rows": np.array(list(shapes)), "metric_columns": columns}
 
 
 def write_mesh(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
     """The visible surface with normals, colours and confidence, x right, y up, z to the viewer."""
-    import numpy as np
-
-    from ipcli.geometry.relief import front
-    from ipcli.io import ply
-
     vertices, faces, pixels = front(arrays["height"].astype(np.float64), float(arrays["pixel_size"]))
     ply.write(
         path,
@@ -175,44 +168,36 @@ def write_mesh(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping
     )
 
 
-def write_relief(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], params: ModelParams) -> None:
+def write_relief(
+    params: BrdfModel, path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]
+) -> None:
     """The surface on a back plate, closed, as binary STL."""
-    import numpy as np
-
-    from ipcli.geometry.relief import closed
-    from ipcli.io.materials import stl
-
     print_as = params.printing
     height = print_as.depth * arrays["height"].astype(np.float64)
-    stl.write(path, *closed(height, float(arrays["pixel_size"]), print_as.plate), f"ipcli brdf-model {provenance['digest'][:16]}")
+    stl.write(
+        path,
+        *closed(height, float(arrays["pixel_size"]), print_as.plate),
+        f"ipcli brdf-model {provenance['digest'][:16]}",
+    )
 
 
-def write_normals(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], params: ModelParams) -> None:
+def write_normals(
+    params: BrdfModel, path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]
+) -> None:
     """The normal map as a 16-bit PNG in the convention asked for."""
-    from ipcli.io import images
-    from ipcli.io.materials import photographs
-
     images.write_png(path, photographs.encode_normals(arrays["normals"], params.normals))
-
-
-def write_report(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """The page to look at."""
-    from ipcli.io import atomic
-    from ipcli.report.brdf import brdf_model
-
-    atomic.write_text(path, brdf_model.page(arrays, provenance))
 
 
 def summary(output: Path) -> dict[str, Any]:
     """The few figures a person wants, of an object that is there; of none (a dry run), its name alone."""
-    from ipcli.io import h5
-
     if not output.is_file():
         return {"output": output}
     arrays = h5.read(output, "brdf-object", lambda name: name in SUMMARISED).arrays
     facts: dict[str, Any] = {"object": output, "cut edge": round(float(arrays["sheet"]), 2)}
     facts["residual"] = round(float(arrays["residual"]), 4)
-    facts["settled by the picture"] = "convex or concave: no, it ties" if abs(float(arrays["tie"])) < TIE else "convex or concave: yes"
+    facts["settled by the picture"] = (
+        "convex or concave: no, it ties" if abs(float(arrays["tie"])) < TIE else "convex or concave: yes"
+    )
     best = int(arrays["material_posterior"].argmax())
     facts["material"] = f"{arrays['materials'][best]} ({float(arrays['material_posterior'][best]):.2f})"
     if "metrics" in arrays:

@@ -1,4 +1,6 @@
-"""The list of materials and probes that brdf-train reads: a TOML file with a section a material and one for the probes."""
+"""The list of materials and probes that brdf-train reads: a TOML file with a section a material and one for the
+probes.
+"""
 
 from __future__ import annotations
 
@@ -35,15 +37,23 @@ class Listed:
 
 
 def read(path: Path) -> Listed:
-    """The list. Raises FormatError for what is no TOML, no material, an unknown model or key, or a file that is not there."""
+    """The list. Raises FormatError for what is no TOML, no material, an unknown model or key, or a file that is not
+    there.
+    """
     tree = _toml(path)
     unknown = set(tree) - {"materials", "probes"}
     if unknown:
         raise FormatError(path, f"unknown section '{min(unknown)}'{nearest(min(unknown), ['materials', 'probes'])}")
     materials = tree.get("materials")
-    if not isinstance(materials, dict) or len(materials) < 2 or not all(isinstance(m, dict) for m in materials.values()):
+    if (
+        not isinstance(materials, dict)
+        or len(materials) < 2
+        or not all(isinstance(m, dict) for m in materials.values())
+    ):
         raise FormatError(path, "names too few materials", expected="two sections [materials.NAME] or more")
-    return Listed({name: _material(path, name, entry) for name, entry in materials.items()}, _probes(path, tree.get("probes", {})))
+    return Listed(
+        {name: _material(path, name, entry) for name, entry in materials.items()}, _probes(path, tree.get("probes", {}))
+    )
 
 
 def _toml(path: Path) -> dict[str, Any]:
@@ -64,18 +74,27 @@ def _material(path: Path, name: str, entry: Mapping[str, Any]) -> dict[str, Any]
     needed = KEYS[model]
     given = set(entry) - {"model", "metal"}
     if given != set(needed):
-        raise FormatError(path, f"materials.{name}: wrong keys", expected=", ".join(needed), got=", ".join(sorted(given)) or "none")
+        raise FormatError(
+            path, f"materials.{name}: wrong keys", expected=", ".join(needed), got=", ".join(sorted(given)) or "none"
+        )
     made = dict(entry)
     if "file" in made:
         made["file"] = str(_beside(path, made["file"], f"materials.{name}"))
     for key in set(needed) - {"file", "name"}:
-        made[key] = _numbers(path, f"materials.{name}.{key}", made[key], 3 if key in ("kappa", "diffuse") else 3 if model == "conductor" and key == "eta" else 1)
+        made[key] = _numbers(
+            path,
+            f"materials.{name}.{key}",
+            made[key],
+            3 if key in ("kappa", "diffuse") else 3 if model == "conductor" and key == "eta" else 1,
+        )
     return made
 
 
 def _numbers(path: Path, what: str, value: Any, count: int) -> Any:
     parts = value if isinstance(value, list) else [value]
-    sound = len(parts) == count and all(isinstance(v, (int, float)) and not isinstance(v, bool) and 0 <= v < 1e3 for v in parts)
+    sound = len(parts) == count and all(
+        isinstance(v, (int, float)) and not isinstance(v, bool) and 0 <= v < 1e3 for v in parts
+    )
     if not sound or (what.endswith("roughness") and not 0.02 <= parts[0] <= 1):
         expected = "0.02 to 1" if what.endswith("roughness") else f"{count} number{'s' if count > 1 else ''} >= 0"
         raise FormatError(path, f"{what}: wrong value", expected=expected, got=value)
@@ -88,7 +107,9 @@ def _probes(path: Path, entry: Any) -> dict[str, Path]:
     files = [_beside(path, name, "probes") for name in entry.get("files", [])]
     names = [file.stem for file in files]
     if len(set(names)) != len(names):
-        raise FormatError(path, "two probes have one name", got=", ".join(sorted({n for n in names if names.count(n) > 1})))
+        raise FormatError(
+            path, "two probes have one name", got=", ".join(sorted({n for n in names if names.count(n) > 1}))
+        )
     return dict(zip(names, files, strict=True))
 
 

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ipcli.models.brdf.parameters import Inference, Learning, Printing
+from ipcli.models.brdf.parameters import Inference, LibraryLearning, Printing
 from ipcli.params import option
 
 
 @dataclass(frozen=True)
-class TrainParams:
+class BrdfTrain:
     """What to learn from."""
 
-    learning: Learning = field(default_factory=Learning)
+    learning: LibraryLearning = field(default_factory=LibraryLearning)
 
 
 @dataclass(frozen=True)
-class ModelParams:
+class BrdfModel:
     """How to read a photograph and what to make of it."""
 
     response: str = option(
@@ -27,7 +27,8 @@ class ModelParams:
     )
     normals: str = option(
         "opengl",
-        "Convention of the normal map that is written: green up (opengl), down and facing in (opencv), green down (directx).",
+        "Convention of the normal map that is written: green up (opengl), down and facing in (opencv), green "
+        "down (directx).",
         flag="--normals",
         choices=("opengl", "opencv", "directx"),
     )

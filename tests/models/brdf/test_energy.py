@@ -57,7 +57,7 @@ def problem(seed=0, radius=9):
     prior = grid.inflate(mask)[mask]
     intensity = rng.uniform(0, 1, len(of.corners))
     n0 = energy.cell_normals(of, prior)
-    return energy.Problem(of, intensity, prior, n0, parameters.Weights()), prior + rng.normal(0, 0.4, of.size), rng
+    return energy.ShadedProblem(of, intensity, prior, n0, parameters.Weights()), prior + rng.normal(0, 0.4, of.size), rng
 
 
 @pytest.mark.parametrize("kind", ["harmonics", "chart"])
@@ -73,7 +73,10 @@ def test_the_gradient_passes_the_taylor_test(kind):
     here = energy.linearise(case, reflects, 0.7, z)
     assert here.energy == pytest.approx(energy.energy(case, reflects, 0.7, z))
     steps = 10.0 ** -np.arange(3, 6)
-    rest = [abs(energy.energy(case, reflects, 0.7, z + t * direction) - here.energy - t * here.gradient @ direction) for t in steps]
+    rest = [
+        abs(energy.energy(case, reflects, 0.7, z + t * direction) - here.energy - t * here.gradient @ direction)
+        for t in steps
+    ]
     slopes = np.diff(np.log10(rest)) / np.diff(np.log10(steps))
     assert np.abs(slopes - 2).max() < 0.2
 
@@ -123,7 +126,9 @@ def test_a_surface_is_recovered_from_its_picture_under_a_known_light():
     truth = 0.8 * balloon + 1.5 * np.sin(columns / 6.0) * np.cos(rows / 7.0)
     reflects = reflectance.Harmonics(np.array([0.4, -0.3, 0.35, 0.4, 0.05, 0, 0, 0.05, 0.02]))
     picture = reflects.slopes(energy.cell_normals(of, truth))[0]
-    case = energy.Problem(of, picture, balloon, energy.cell_normals(of, balloon), parameters.Weights(normal=0.02, bending=0.02))
+    case = energy.ShadedProblem(
+        of, picture, balloon, energy.cell_normals(of, balloon), parameters.Weights(normal=0.02, bending=0.02)
+    )
     found = energy.gauss_newton(case, reflects, 1.0, balloon, 40)
 
     def error(z):

@@ -44,7 +44,9 @@ def test_the_albedo_of_a_matte_surface_is_its_albedo():
         def __call__(self, light, view):
             return np.where(light[..., 2:] > 0, np.array([0.5, 0.2, 0.9]) / np.pi, 0)
 
-    np.testing.assert_allclose(reflectance.directional_albedo(Matte(), hemisphere(5)), np.tile([0.5, 0.2, 0.9], (5, 1)), rtol=2e-3)
+    np.testing.assert_allclose(
+        reflectance.directional_albedo(Matte(), hemisphere(5)), np.tile([0.5, 0.2, 0.9], (5, 1)), rtol=2e-3
+    )
 
 
 def test_fresnel_at_normal_incidence_is_the_closed_form():

@@ -26,7 +26,9 @@ def test_the_tilt_is_linear_and_its_adjoint_is_one():
     mask, _, _, noisy = cap()
     tilt = refine.Tilt.of(noisy, np.where(mask, 0.7, 0))
     rng = np.random.default_rng(1)
-    assert dot_test(tilt.linear, tilt.adjoint, rng.normal(size=(2, SIDE, SIDE)), rng.normal(size=(2, SIDE, SIDE))) < 1e-14
+    assert (
+        dot_test(tilt.linear, tilt.adjoint, rng.normal(size=(2, SIDE, SIDE)), rng.normal(size=(2, SIDE, SIDE))) < 1e-14
+    )
 
 
 def test_the_tilt_is_the_sine_of_the_angle_times_the_length():
@@ -47,7 +49,9 @@ def test_a_cap_is_recovered_from_noisy_normals():
     found = refine.integrate([refine.Tilt.of(noisy, mask.astype(float))], mask, np.zeros_like(z), params)
     inner = evaluation.inside(mask)
     assert evaluation.normal_error(grid.normals(np.nan_to_num(found), mask), true, inner) < 0.11
-    low, high = (np.diff(np.percentile(h[mask], (1, 99)))[0] for h in (found, z))  # single pixels of the rim hang on noise
+    low, high = (
+        np.diff(np.percentile(h[mask], (1, 99)))[0] for h in (found, z)
+    )  # single pixels of the rim hang on noise
     assert low == pytest.approx(high, rel=0.05)
 
 
@@ -68,5 +72,8 @@ def test_shading_bends_a_flat_prior_towards_the_truth():
     half = 0.6 * z
     params = parameters.Refinement(normal=0.1, photo=0.5, tgv=0.05, iterations=500)
     refined = refine.refine(half, grid.normals(half, mask), picture, mask, lit, params)
-    before, after = (evaluation.normal_error(grid.normals(np.nan_to_num(h), mask), true, evaluation.inside(mask)) for h in (half, refined))
+    before, after = (
+        evaluation.normal_error(grid.normals(np.nan_to_num(h), mask), true, evaluation.inside(mask))
+        for h in (half, refined)
+    )
     assert after < 0.8 * before

@@ -50,7 +50,9 @@ def test_a_map_is_the_integral_over_the_light(brdf):
     for frame in f:
         local = d @ frame.T
         view = np.broadcast_to(frame[:, 2], local.shape)
-        brute.append((brdf(local, view) * np.clip(local[:, 2:], 0, None) * radiance(d)[:, None]).mean(axis=0) * 4 * np.pi)
+        brute.append(
+            (brdf(local, view) * np.clip(local[:, 2:], 0, None) * radiance(d)[:, None]).mean(axis=0) * 4 * np.pi
+        )
     error = np.abs(ours - brute) / np.abs(brute)
     assert np.median(error) < 0.02
     assert error.max() < 0.05

@@ -23,7 +23,9 @@ def picture_of(made, coefficients=LIGHT, albedo=None):
 
 
 def error(z, made):
-    return evaluation.normal_error(grid.normals(np.nan_to_num(z), made.mask), made.normals, evaluation.inside(made.mask))
+    return evaluation.normal_error(
+        grid.normals(np.nan_to_num(z), made.mask), made.normals, evaluation.inside(made.mask)
+    )
 
 
 def modelled(colour, made, side=56):
@@ -65,7 +67,9 @@ def test_a_mirrored_picture_gives_the_mirrored_surface():
     flipped = replace(made, mask=made.mask[:, ::-1], normals=made.normals[:, ::-1] * [-1, 1, 1])
     a, b = modelled(colour, made)[0], modelled(colour[:, ::-1], flipped)[0]
     difference = np.abs(a - b[:, ::-1])[made.mask]
-    assert np.percentile(difference, 95) < 0.35  # of 60 px: factorisations differ in their order, and so do step lengths
+    assert (
+        np.percentile(difference, 95) < 0.35
+    )  # of 60 px: factorisations differ in their order, and so do step lengths
 
 
 def test_two_colours_of_paint_are_told_from_shading():

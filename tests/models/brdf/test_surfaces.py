@@ -42,7 +42,10 @@ def test_a_bowl_is_hollow():
 def test_scenes_are_in_one_piece_known_all_over_and_repeat(sheets):
     charts = [np.random.default_rng(0).uniform(size=(65, 65, 3))]
     for seed in range(4):
-        a, b = (scenes.scene(scenes.surface(rng, 64, sheets), charts, rng) for rng in (np.random.default_rng(seed), np.random.default_rng(seed)))
+        a, b = (
+            scenes.scene(scenes.surface(rng, 64, sheets), charts, rng)
+            for rng in (np.random.default_rng(seed), np.random.default_rng(seed))
+        )
         np.testing.assert_array_equal(a.picture, b.picture)
         mask = a.surface.mask
         assert a.surface.is_sheet == bool(sheets)

@@ -1,6 +1,6 @@
 """Chapter 7 measured: every method on every case, as CSV, JSON and a page with the bars.
 
-    python -m experiments.brdf_study mit|diligent|synthetic|materials --library FILE -o FOLDER [--data FOLDER] [--quick]
+python -m experiments.brdf_study mit|diligent|synthetic|materials --library FILE -o FOLDER [--data FOLDER] [--quick]
 """
 
 from __future__ import annotations
@@ -14,19 +14,21 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments import brdf_scenes as scenes
-from experiments.brdf_scenes import Case
-from ipcli.io import atomic, h5
-from ipcli.models.brdf import energy, evaluation, grid, scenes as generated, solid
+from experiments.brdf import scenes
+from experiments.brdf.scenes import Case
+from ipcli.io.files import atomic, h5
+from ipcli.models.brdf import energy, evaluation, grid, solid
+from ipcli.models.brdf import scenes as generated
 from ipcli.models.brdf.library import Library
 from ipcli.models.brdf.parameters import Inference
 from ipcli.models.brdf.reconstruct import baselines, reconstruct
-from ipcli.report.numbers import number
-from ipcli.report.page import page, section, table
+from ipcli.report.kit.numbers import number
+from ipcli.report.kit.page import page, section, table
 from ipcli.rng import stream
 
 BARS = {
-    "mit": "geometric means over the five: Z-MAE 8.8 px and N-MAE .264 rad; flat 15.7 / .623, inflation 14.6 / .381, SIFS 21.8 / .412, thesis 7.02 / .269",
+    "mit": "geometric means over the five: Z-MAE 8.8 px and N-MAE .264 rad; flat 15.7 / .623, inflation 14.6 / "
+    ".381, SIFS 21.8 / .412, thesis 7.02 / .269",
     "diligent": "mean 22.5 degrees; inflation 24.1, SIFS 44.9 (means of the objects)",
     "synthetic": "N-MAE below inflation's: plastics by 25 %, metals by 5 %",
     "materials": "1 of 5 in colour: 70 %; metal or not: 90 %",
@@ -53,7 +55,14 @@ def synthetic(shelf: Library, quick: bool) -> Iterator[Case]:
         for index, material in enumerate(shelf.materials[: 1 if quick else None]):
             rng = stream(7, "synthetic", f"{name} {material}")
             chart = shelf.charts[int(rng.choice(np.flatnonzero(shelf.material == index)))]
-            yield Case(f"{name} {material}", material, generated.photograph(made, chart, rng), made.mask, made.normals, made.height)
+            yield Case(
+                f"{name} {material}",
+                material,
+                generated.photograph(made, chart, rng),
+                made.mask,
+                made.normals,
+                made.height,
+            )
 
 
 def true_map(case: Case, params: Inference) -> np.ndarray:
@@ -64,7 +73,13 @@ def true_map(case: Case, params: Inference) -> np.ndarray:
     n = small.grid.on_cells(shrunk[small.grid.mask])
     n = n / np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-9)
     reflects = solid.fit_harmonics(small.intensity, n, params.solid.ridge)
-    problem = energy.Problem(small.grid, small.intensity, small.inflated, energy.cell_normals(small.grid, small.inflated), params.solid.weights)
+    problem = energy.ShadedProblem(
+        small.grid,
+        small.intensity,
+        small.inflated,
+        energy.cell_normals(small.grid, small.inflated),
+        params.solid.weights,
+    )
     height = energy.gauss_newton(problem, reflects, 1.0, small.inflated, 30)
     return grid.inflate(case.mask) + solid.enlarge(height - small.inflated, small.grid.mask, case.mask)
 
@@ -88,7 +103,9 @@ def measured(case: Case, shelf: Library, params: Inference) -> dict[str, list[fl
     errors["convex refinement, as a solid"] = errors_of(refined.height, case)
     found = {name: [*line, np.nan] for name, line in errors.items()}
     found["ours"][3] = seconds
-    print(f"{case.name}: cut edge {ours.sheet:.2f}, " + ", ".join(f"{k} {v[0]:.3f}" for k, v in found.items()), flush=True)
+    print(
+        f"{case.name}: cut edge {ours.sheet:.2f}, " + ", ".join(f"{k} {v[0]:.3f}" for k, v in found.items()), flush=True
+    )
     return found
 
 
@@ -105,8 +122,21 @@ def summary(study: str, rows: dict[str, dict[str, list[float]]], groups: dict[st
         values = np.array([rows[name][method][:3] for name in rows])
         mean = np.exp(np.log(values).mean(axis=0)) if study == "mit" else values.mean(axis=0)
         worse = sum(rows[name][method][0] > rows[name]["inflation"][0] + np.radians(2) for name in rows)
-        relative = mean[0] / (np.exp(np.log([rows[n]["inflation"][0] for n in rows]).mean()) if study == "mit" else np.mean([rows[n]["inflation"][0] for n in rows]))
-        lines.append([method, number(mean[0]), number(np.degrees(mean[0])), number(mean[2]), f"{100 * (relative - 1):+.0f} %", f"{worse} of {len(rows)}"])
+        relative = mean[0] / (
+            np.exp(np.log([rows[n]["inflation"][0] for n in rows]).mean())
+            if study == "mit"
+            else np.mean([rows[n]["inflation"][0] for n in rows])
+        )
+        lines.append(
+            [
+                method,
+                number(mean[0]),
+                number(np.degrees(mean[0])),
+                number(mean[2]),
+                f"{100 * (relative - 1):+.0f} %",
+                f"{worse} of {len(rows)}",
+            ]
+        )
     return lines
 
 
@@ -115,27 +145,45 @@ def per_group(rows: dict[str, dict[str, list[float]]], groups: dict[str, str]) -
     lines = []
     for group in dict.fromkeys(groups.values()):
         mine = [rows[name] for name in rows if groups[name] == group]
-        lines.append([group, *(number(float(np.mean([row[m][0] for row in mine]))) for m in ("flat", "inflation", "ours", "true rim", "true map, as a solid"))])
+        lines.append(
+            [
+                group,
+                *(
+                    number(float(np.mean([row[m][0] for row in mine])))
+                    for m in ("flat", "inflation", "ours", "true rim", "true map, as a solid")
+                ),
+            ]
+        )
     return lines
 
 
 def write(folder: Path, study: str, rows: dict[str, dict[str, list[float]]], groups: dict[str, str]) -> None:
     """CSV, JSON and the page."""
     head = "case,method,n_mae_rad,n_median_rad,z_mae_px,seconds"
-    lines = [f"{name},{m},{','.join(f'{v:.6g}' for v in values)}" for name, row in rows.items() for m, values in row.items()]
+    lines = [
+        f"{name},{m},{','.join(f'{v:.6g}' for v in values)}" for name, row in rows.items() for m, values in row.items()
+    ]
     atomic.write_text(folder / "errors.csv", "\n".join([head, *lines]) + "\n")
-    atomic.write_text(folder / "errors.json", json.dumps({"study": study, "rows": rows}, indent=1).replace("NaN", "null") + "\n")
+    atomic.write_text(
+        folder / "errors.json", json.dumps({"study": study, "rows": rows}, indent=1).replace("NaN", "null") + "\n"
+    )
     means = summary(study, rows, groups)
     for line in means:
         print("  ".join(line))
     columns = ("Method", "N-MAE, rad", "degrees", "Z-MAE, px", "against inflation", "worse by 2° or more")
     parts = [
         section("All cases", table(columns, means), lead=f"Bar: {BARS[study]}."),
-        section("Each object", table(("Object", "flat", "inflation", "ours", "true rim", "true map, as a solid"), per_group(rows, groups)), lead="N-MAE, rad."),
+        section(
+            "Each object",
+            table(("Object", "flat", "inflation", "ours", "true rim", "true map, as a solid"), per_group(rows, groups)),
+            lead="N-MAE, rad.",
+        ),
     ]
     ours = [row["ours"][3] for row in rows.values()]
     verdict = f"{len(rows)} pictures; {np.median(ours):.1f} s each on the median, {max(ours):.1f} s at most."
-    atomic.write_text(folder / "index.html", page(f"Surfaces from one picture: {study}", "experiments/brdf", verdict, *parts))
+    atomic.write_text(
+        folder / "index.html", page(f"Surfaces from one picture: {study}", "experiments/brdf", verdict, *parts)
+    )
 
 
 def materials(folder: Path, arrays: dict[str, np.ndarray]) -> None:
@@ -146,7 +194,10 @@ def materials(folder: Path, arrays: dict[str, np.ndarray]) -> None:
     rows = [(name, f"{100 * value:.1f} %") for name, value in facts.items()]
     print("  ".join(f"{name} {value}" for name, value in rows))
     part = section("Generated pictures", table(("Question", "right"), rows), lead=f"Bar: {BARS['materials']}.")
-    atomic.write_text(folder / "index.html", page("Materials from one picture", "experiments/brdf", "Surfaces and probes held out.", part))
+    atomic.write_text(
+        folder / "index.html",
+        page("Materials from one picture", "experiments/brdf", "Surfaces and probes held out.", part),
+    )
 
 
 def main() -> None:

@@ -36,14 +36,18 @@ def _cut(mask: np.ndarray) -> tuple[slice, slice]:
 
 
 def _png(path: Path) -> np.ndarray:
-    from ipcli.io.images import read_stored
+    from ipcli.io.files.images import read_stored
 
     stored = read_stored(path)
-    return (stored[..., ::-1] if stored.ndim == 3 else np.repeat(stored[..., None], 3, axis=-1)) / np.iinfo(stored.dtype).max
+    return (stored[..., ::-1] if stored.ndim == 3 else np.repeat(stored[..., None], 3, axis=-1)) / np.iinfo(
+        stored.dtype
+    ).max
 
 
 def mit(data: Path, names: tuple[str, ...] = MIT) -> Iterator[Case]:
-    """MIT-Berkeley intrinsic images: shading and the mean of the specular layer, grey and without albedo, as in the thesis."""
+    """MIT-Berkeley intrinsic images: shading and the mean of the specular layer, grey and without albedo, as in the
+    thesis.
+    """
     from scipy.io import loadmat
 
     for name in names:
@@ -53,7 +57,14 @@ def mit(data: Path, names: tuple[str, ...] = MIT) -> Iterator[Case]:
         grey = _png(folder / "shading.png").mean(axis=-1) + _png(folder / "specular.png").mean(axis=-1)
         height = np.where(mask, loadmat(folder / "Z.mat")["depth"], np.nan)[box]
         known = np.isfinite(height)
-        yield Case(name, name, np.repeat(grey[box][..., None], 3, axis=-1), mask[box], normals(np.nan_to_num(height), known), height)
+        yield Case(
+            name,
+            name,
+            np.repeat(grey[box][..., None], 3, axis=-1),
+            mask[box],
+            normals(np.nan_to_num(height), known),
+            height,
+        )
 
 
 def diligent(data: Path, names: tuple[str, ...] = DILIGENT) -> Iterator[Case]:
@@ -73,7 +84,13 @@ def diligent(data: Path, names: tuple[str, ...] = DILIGENT) -> Iterator[Case]:
 def own(side: int) -> dict[str, Surface]:
     """Boot, moka pot, dish, teapot and vase as implicit solids: none is of the families that libraries learn from."""
     tilt = _about_x(0.35)
-    made = {"boot": _boot(), "moka pot": _moka(), "dish": surfaces.turned(_dish(), _about_x(0.25)), "teapot": _teapot(), "vase": _vase()}
+    made = {
+        "boot": _boot(),
+        "moka pot": _moka(),
+        "dish": surfaces.turned(_dish(), _about_x(0.25)),
+        "teapot": _teapot(),
+        "vase": _vase(),
+    }
     return {name: cropped(surfaces.march(surfaces.turned(solid, tilt), side, name)) for name, solid in made.items()}
 
 
@@ -85,7 +102,9 @@ def _about_x(angle: float) -> np.ndarray:
 def _boot() -> surfaces.Implicit:
     leg = np.stack([np.full(10, -0.25), np.linspace(0.75, -0.35, 10), np.zeros(10)], axis=-1)
     foot = np.stack([np.linspace(-0.25, 0.5, 8), np.linspace(-0.4, -0.5, 8), np.zeros(8)], axis=-1)
-    return surfaces.tube(np.concatenate([leg, foot]), np.concatenate([np.linspace(0.27, 0.22, 10), np.linspace(0.24, 0.19, 8)]))
+    return surfaces.tube(
+        np.concatenate([leg, foot]), np.concatenate([np.linspace(0.27, 0.22, 10), np.linspace(0.24, 0.19, 8)])
+    )
 
 
 def _moka() -> surfaces.Implicit:
@@ -103,7 +122,9 @@ def _moka() -> surfaces.Implicit:
 
 
 def _dish() -> surfaces.Implicit:
-    return lambda p: np.maximum(np.abs(p[..., 2] + 0.2 - 0.35 * (p[..., 0] ** 2 + p[..., 1] ** 2)) - 0.03, np.hypot(p[..., 0], p[..., 1]) - 0.85)
+    return lambda p: np.maximum(
+        np.abs(p[..., 2] + 0.2 - 0.35 * (p[..., 0] ** 2 + p[..., 1] ** 2)) - 0.03, np.hypot(p[..., 0], p[..., 1]) - 0.85
+    )
 
 
 def _teapot() -> surfaces.Implicit:
@@ -112,7 +133,8 @@ def _teapot() -> surfaces.Implicit:
     spout = surfaces.tube(np.array([0.4, -0.1, 0]) + t * np.array([0.45, 0.35, 0]), np.linspace(0.12, 0.06, 8))
     handle, knob = surfaces.torus(0.26, 0.05), surfaces.ellipsoid(np.full(3, 0.1))
     return lambda p: np.minimum(
-        np.minimum(body(p), spout(p)), np.minimum(np.maximum(handle(p + np.array([0.55, 0, 0])), p[..., 0] + 0.42), knob(p - np.array([0, 0.48, 0])))
+        np.minimum(body(p), spout(p)),
+        np.minimum(np.maximum(handle(p + np.array([0.55, 0, 0])), p[..., 0] + 0.42), knob(p - np.array([0, 0.48, 0]))),
     )
 
 
