@@ -103,7 +103,7 @@ def read_normals(path: Path, convention: str, shape: tuple[int, int]) -> np.ndar
     if stored.shape != (*shape, 3):
         raise FormatError(path, "normals and picture differ in size", expected=(*shape, 3), got=stored.shape)
     if stored.dtype.kind == "u":
-        stored = 2 * stored[..., ::-1] / np.iinfo(stored.dtype).max - 1
+        stored = 2 * (stored[..., ::-1] / np.iinfo(stored.dtype).max) - 1
     n = stored.astype(np.float64) * CONVENTIONS[convention]
     length = np.linalg.norm(n, axis=-1)
     known = np.isfinite(length) & (length > HALF)

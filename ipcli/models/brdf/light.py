@@ -13,6 +13,7 @@ import numpy as np
 
 GOLDEN = np.pi * (3 - np.sqrt(5))
 DIRECTIONS = 1536  # over the sphere
+TEXELS = 20  # of a probe a direction at least
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +38,10 @@ def probe(image: np.ndarray, heading: float = 0.0, count: int = DIRECTIONS) -> L
     The average runs over the texels nearest to the direction, weighed by their solid angle, so that small suns are
     kept.
     """
+    finer = int(np.ceil(np.sqrt(TEXELS * count / (image.shape[0] * image.shape[1]))))
+    image = image.repeat(finer, axis=0).repeat(
+        finer, axis=1
+    )  # else a direction between the texels of a small probe is dark
     nearest, weight = _cells(image.shape[:2], heading, count)
     flat = image.reshape(-1, 3)
     total = np.stack([np.bincount(nearest, weight * flat[:, c], minlength=count) for c in range(3)], axis=-1)

@@ -40,7 +40,9 @@ def cropped(made: Surface) -> Surface:
     return Surface(made.mask[box], made.height[box], made.normals[box], made.is_sheet, made.name)
 
 
-def scene(made: Surface, charts: Sequence[np.ndarray] | np.ndarray, rng: np.random.Generator, noise: float = 0.01) -> PicturedScene:
+def scene(
+    made: Surface, charts: Sequence[np.ndarray] | np.ndarray, rng: np.random.Generator, noise: float = 0.01
+) -> PicturedScene:
     """A picture of the surface through one of the colour charts (s, s, 3): noise, clipped highlights, 8 bits."""
     index = int(rng.integers(len(charts)))
     picture = photograph(made, charts[index], rng, noise)

@@ -148,7 +148,7 @@ def _relief(shown: Mapping[str, np.ndarray]) -> Markup:
         figure(pictures.photograph(relief.seen(height, normal, -60.0)), "From the left"),
         figure(pictures.photograph(relief.seen(height, normal, 60.0)), "From the right"),
     ]
-    lead = "The mesh (.ply), the printable relief (.stl) and the normal map (.png) lie beside this page."
+    lead = "The mesh (.ply), the printable relief (.stl) and the normal map (.normals.png) lie beside this page."
     return section("Relief", gallery(*films, columns=3), lead=lead)
 
 

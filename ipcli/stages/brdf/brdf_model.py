@@ -49,12 +49,12 @@ class Source:
 
 
 def run(source: Source, output: Path, params: BrdfModel, run: Run, progress: Progress = silent) -> Outcome:
-    """Write the object and beside it a mesh (.ply), a printable relief (.stl), a normal map (.png) and a page "
+    """Write the object and beside it a mesh (.ply), a printable relief (.stl), a normal map (.normals.png) and a page "
     "(.html)."""
     beside: dict[Path, Beside] = {
         output.with_suffix(".ply"): write_mesh,
         output.with_suffix(".stl"): partial(write_relief, params),
-        output.with_suffix(".png"): partial(write_normals, params),
+        output.with_suffix(".normals.png"): partial(write_normals, params),
     } | page(output, "brdf-object")
     job = Job(output, "brdf-object", "brdf-model", params, source.inputs, beside)
     return make(job, lambda: modelled(source, params, progress), run)

@@ -1,9 +1,9 @@
-"""Procedural surfaces by ray marching: the ball in closed form, normals against heights, scenes that repeat."""
+"""Procedural surfaces by ray marching: the ball in closed form, normals against heights."""
 
 import numpy as np
 import pytest
 
-from ipcli.models.brdf import scenes, surfaces
+from ipcli.models.brdf import surfaces
 
 
 def test_a_marched_ball_is_a_ball():
@@ -36,21 +36,3 @@ def test_marching_and_embree_see_the_same_ring():
 def test_a_bowl_is_hollow():
     made = surfaces.march(surfaces.bowl(0.8, 0.1, 0.0), 80)
     assert made.height[40, 40] < made.height[40, 12] - 10
-
-
-@pytest.mark.parametrize("sheets", [0.0, 1.0])
-def test_scenes_are_in_one_piece_known_all_over_and_repeat(sheets):
-    charts = [np.random.default_rng(0).uniform(size=(65, 65, 3))]
-    for seed in range(4):
-        a, b = (
-            scenes.scene(scenes.surface(rng, 64, sheets), charts, rng)
-            for rng in (np.random.default_rng(seed), np.random.default_rng(seed))
-        )
-        np.testing.assert_array_equal(a.picture, b.picture)
-        mask = a.surface.mask
-        assert a.surface.is_sheet == bool(sheets)
-        assert np.isfinite(a.surface.height[mask]).all()
-        assert np.isfinite(a.surface.normals[mask]).all()
-        assert (a.surface.normals[mask][:, 2] >= 0).all()
-        assert (a.picture[~mask] == 0).all()
-        assert a.picture.max() <= 1
