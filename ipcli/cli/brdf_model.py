@@ -24,15 +24,16 @@ FILE = click.Path(path_type=Path)
     required=True,
     help="Object to write, with mesh, relief, normal map and page beside it.",
 )
+@click.option("--normals-from", type=FILE, help="Integrate these normals in place of modelling: PNG, NPY or NPZ.")
 @click.option("--true-normals", type=FILE, help="True normals to measure errors by: PNG, NPY or NPZ.")
 @click.option(
     "--true-height", type=FILE, help="True heights towards the viewer in pixels to measure errors by: NPY or NPZ."
 )
 @click.option(
-    "--true-convention",
+    "--convention",
     type=click.Choice(("opengl", "opencv", "directx")),
     default="opengl",
-    help="Convention of --true-normals.  [default: opengl]",
+    help="Convention of --true-normals and --normals-from.  [default: opengl]",
 )
 @parameters(BrdfModel)
 @common
@@ -41,16 +42,17 @@ def main(
     photo: Path,
     mask: Path,
     output: Path,
+    normals_from: Path | None,
     true_normals: Path | None,
     true_height: Path | None,
-    true_convention: str,
+    convention: str,
     params: BrdfModel,
     run: Run,
 ) -> None:
     """Model the surface of the object in PHOTO, with a LIBRARY of brdf-train."""
     from ipcli.stages.brdf import brdf_model
 
-    source = brdf_model.Source(library, photo, mask, true_normals, true_height, true_convention)
+    source = brdf_model.Source(library, photo, mask, true_normals, true_height, convention, normals_from)
     with progress("brdf-model", run) as tell:
         brdf_model.run(source, output, params, run, tell)
     conclude(brdf_model.summary(output), run)

@@ -103,9 +103,9 @@ def read_normals(path: Path, convention: str, shape: tuple[int, int]) -> np.ndar
     if stored.shape != (*shape, 3):
         raise FormatError(path, "normals and picture differ in size", expected=(*shape, 3), got=stored.shape)
     if stored.dtype.kind == "u":
-        nothing = ~stored.any(axis=-1)  # black stands for no normal
+        nothing = (stored == 0).all(axis=-1, keepdims=True)  # black stands for no normal
         stored = 2 * (stored[..., ::-1] / np.iinfo(stored.dtype).max) - 1
-        stored = np.where(nothing[..., None], np.nan, stored)
+        stored = np.where(nothing, np.nan, stored)
     n = stored.astype(np.float64) * CONVENTIONS[convention]
     length = np.linalg.norm(n, axis=-1)
     known = np.isfinite(length) & (length > HALF)

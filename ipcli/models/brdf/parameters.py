@@ -98,6 +98,15 @@ class Refinement:
 
 
 @dataclass(frozen=True)
+class Plate:
+    """The plate of finite elements that given normals are integrated with."""
+
+    membrane: float = option(1e-4, "Stretching stiffness; pulls the relief flat.", low=0.0)
+    plate: float = option(0.02, "Bending stiffness; smooths.", low=0.0)
+    constraint: float = option(1.0, "Weight of the normals.", low=1e-9)
+
+
+@dataclass(frozen=True)
 class Inference:
     """From one picture to a surface."""
 
@@ -130,3 +139,4 @@ class Inference:
     solid: Solid = field(default_factory=Solid)
     sheet: Sheet = field(default_factory=Sheet)
     refinement: Refinement = field(default_factory=Refinement)
+    plate: Plate = field(default_factory=Plate)

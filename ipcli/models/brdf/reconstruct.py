@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipcli.models.brdf.basrelief import bas_relief
 from ipcli.models.brdf.energy import cell_normals
 from ipcli.models.brdf.grid import inflate, normals
 from ipcli.models.brdf.library import Library
@@ -20,7 +21,7 @@ from ipcli.models.brdf.refine import forward_normals, refine
 from ipcli.models.brdf.reflectance import Chart, Harmonics, chart_normals
 from ipcli.models.brdf.rim import features
 from ipcli.models.brdf.sheet import Explained, representatives, sheet
-from ipcli.models.brdf.solid import Pictured, Shape, enlarge, pictured, solid
+from ipcli.models.brdf.solid import Pictured, Shape, enlarge, fit_harmonics, pictured, shrink, solid
 
 UP = 2  # harmonic whose sign tells light from above
 
@@ -212,6 +213,38 @@ def _shading(reflectance: Harmonics | Chart, n: np.ndarray, mask: np.ndarray) ->
     image = np.full(mask.shape, np.nan)
     image[mask] = reflectance.slopes(n[mask])[0]
     return image
+
+
+def integrated(
+    given: np.ndarray, colour: np.ndarray, mask: np.ndarray, library: Library, params: Inference
+) -> Reconstruction:
+    """The bas-relief of given normals (h, w, 3), NaN unknown, with the light that the picture has on it."""
+    fine, height = pictured(colour, mask, params.side), bas_relief(given, mask, params.plate)
+    of_relief = normals(np.nan_to_num(height), mask)
+    shrunk, _ = shrink(np.nan_to_num(of_relief), mask, params.side)
+    n = fine.grid.on_cells(shrunk[fine.grid.mask])
+    n = n / np.maximum(np.linalg.norm(n, axis=1, keepdims=True), 1e-9)
+    reflects = fit_harmonics(fine.intensity, n, params.solid.ridge)
+    known = np.isfinite(given).all(axis=-1)
+    agreement = np.where(known, (np.nan_to_num(given) * np.nan_to_num(of_relief)).sum(axis=-1), 0.0)
+    return Reconstruction(
+        height=height,
+        normals=of_relief,
+        prior=np.where(mask, 0.0, np.nan),
+        confidence=np.where(mask, np.clip(agreement, 0, 1), np.nan),
+        shading=_shading(reflects, of_relief, mask),
+        chart=reflects.slopes(chart_normals().reshape(-1, 3))[0].reshape(chart_normals().shape[:2]),
+        sheet=0.0,
+        features=features(fine),
+        solid_height=None,
+        sheet_height=None,
+        residual=float(np.abs(fine.intensity - reflects.slopes(n)[0]).mean()),
+        tie=np.nan,
+        is_above=bool(reflects.coefficients[UP] > 0),
+        explained=None,
+        maps=np.zeros(0, int),
+        by_look=library.classifier.posterior(statistics(fine)),
+    )
 
 
 def baselines(mask: np.ndarray) -> dict[str, np.ndarray]:

@@ -277,7 +277,8 @@ def _outline(rng: np.random.Generator, side: int) -> np.ndarray:
         [np.linspace(a, b, 24, endpoint=False) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
     )
     t = np.linspace(0, 2 * np.pi, len(dense), endpoint=False)
-    torn = sum(rng.normal(0, 0.01) * np.cos(k * t + rng.uniform(0, 6.28)) for k in range(3, 12)) * rng.uniform(0, 1.5)
+    waves = np.stack([rng.normal(0, 0.01) * np.cos(k * t + rng.uniform(0, 6.28)) for k in range(3, 12)])
+    torn = waves.sum(axis=0) * rng.uniform(0, 1.5)
     dense = np.clip(dense * (1 + torn[:, None]), -0.95, 0.95)
     pixels = np.rint((dense * [1, -1] + 1) / 2 * side * 16).astype(np.int32)
     return cv2.fillPoly(np.zeros((side, side), np.uint8), [pixels], 1, shift=4).astype(bool)

@@ -18,7 +18,7 @@ from ipcli.io.materials.photographs import Photograph
 from ipcli.io.meshes import stl
 from ipcli.models.brdf import evaluation
 from ipcli.models.brdf.library import Library
-from ipcli.models.brdf.reconstruct import Reconstruction, baselines, reconstruct
+from ipcli.models.brdf.reconstruct import Reconstruction, baselines, integrated, reconstruct
 from ipcli.models.brdf.rim import FEATURES
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
@@ -40,12 +40,15 @@ class Source:
     mask: Path
     truth_normals: Path | None = None
     truth_height: Path | None = None
-    truth_convention: str = "opengl"
+    convention: str = "opengl"  # of the normals that are given
+    normals: Path | None = None
 
     @property
     def inputs(self) -> tuple[Path, ...]:
         """All files that are read."""
-        return tuple(p for p in (self.library, self.photo, self.mask, self.truth_normals, self.truth_height) if p)
+        return tuple(
+            p for p in (self.library, self.photo, self.mask, self.truth_normals, self.truth_height, self.normals) if p
+        )
 
 
 def run(source: Source, output: Path, params: BrdfModel, run: Run, progress: Progress = silent) -> Outcome:
@@ -55,7 +58,8 @@ def run(source: Source, output: Path, params: BrdfModel, run: Run, progress: Pro
         output.with_suffix(".ply"): write_mesh,
         output.with_suffix(".stl"): partial(write_relief, params),
         output.with_suffix(".normals.png"): partial(write_normals, params),
-    } | page(output, "brdf-object")
+    }
+    beside |= page(output, "brdf-object")
     job = Job(output, "brdf-object", "brdf-model", params, source.inputs, beside)
     return make(job, lambda: modelled(source, params, progress), run)
 
@@ -70,7 +74,11 @@ def modelled(source: Source, params: BrdfModel, progress: Progress) -> dict[str,
         raise NoSolution(f"the object is {max(mask.shape)} pixels long, and at least {SMALLEST} are needed")
     if not photo.colour[box][mask].any():
         raise NoSolution("the object is black all over")
-    made = reconstruct(photo.colour[box], mask, shelf, params.inference, progress)
+    if source.normals:
+        given = photographs.read_normals(source.normals, source.convention, photo.mask.shape)[box]
+        made = integrated(given, photo.colour[box], mask, shelf, params.inference)
+    else:
+        made = reconstruct(photo.colour[box], mask, shelf, params.inference, progress)
     arrays = described(made, photo, box, shelf, params)
     return arrays | judged(arrays, source)
 
@@ -130,9 +138,9 @@ def judged(arrays: Mapping[str, np.ndarray], source: Source) -> dict[str, np.nda
     mask = arrays["mask"] > 0
     truth = {}
     if source.truth_normals:
-        truth["truth_normals"] = photographs.read_normals(
-            source.truth_normals, source.truth_convention, mask.shape
-        ).astype(np.float32)
+        truth["truth_normals"] = photographs.read_normals(source.truth_normals, source.convention, mask.shape).astype(
+            np.float32
+        )
     if source.truth_height:
         truth["truth_height"] = photographs.read_height(source.truth_height, mask.shape).astype(np.float32)
     if not truth:

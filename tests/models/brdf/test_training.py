@@ -5,7 +5,6 @@ import pytest
 
 from ipcli import schema
 from ipcli.models.brdf import training
-from ipcli.models.brdf.library import Library
 from ipcli.models.brdf.materials import Conductor, Plastic
 from ipcli.models.brdf.parameters import LibraryLearning
 from ipcli.models.brdf.reflectance import charts
@@ -29,12 +28,8 @@ def library():
     return training.learn(made, ("metal", "red"), np.array([True, False]), known, SMALL, 0)
 
 
-def test_a_library_is_a_sound_artefact_and_comes_back(library):
+def test_a_library_is_a_sound_artefact(library):
     schema.validate(schema.kind("brdf-library"), library)
-    shelf = Library.of(library)
-    for name, array in shelf.arrays().items():
-        np.testing.assert_array_equal(array, library[name])
-    assert shelf.grey().mean(axis=(1, 2)) == pytest.approx(1)
 
 
 def test_a_red_plastic_is_told_from_a_metal(library):

@@ -14,7 +14,12 @@ def test_a_sound_object_warns_of_nothing():
 
 @pytest.mark.parametrize(
     ("key", "value", "words"),
-    [("tie", 0.01, "convex from concave"), ("sheet", 0.5, "rim or a cut edge"), ("saturated", 0.1, "saturated"), ("residual", 0.3, "poorly")],
+    [
+        ("tie", 0.01, "convex from concave"),
+        ("sheet", 0.5, "rim or a cut edge"),
+        ("saturated", 0.1, "saturated"),
+        ("residual", 0.3, "poorly"),
+    ],
 )
 def test_each_doubt_is_told(key, value, words):
     (only,) = brdf_object.warnings(SOUND | {key: np.array(value)})

@@ -79,3 +79,13 @@ def test_bad_input_fails_in_one_line(made, tmp_path, capsys, change, code):
     library = made / "egg.h5" if change == "library" else made / "library.h5"
     assert main(["brdf-model", str(library), str(photo), "--mask", str(mask), "-o", str(tmp_path / "x.h5")]) == code
     assert len(capsys.readouterr().err.strip().splitlines()) == 1
+
+
+def test_given_normals_are_integrated(made):
+    words = [str(made / "library.h5"), str(made / "egg.png"), "--mask", str(made / "egg.mask.png")]
+    truth = ["--normals-from", str(made / "egg.normals.npy"), "--true-height", str(made / "egg.npy")]
+    assert main(["brdf-model", *words, *truth, "-o", str(made / "given.h5"), "--quiet"]) == 0
+    arrays = h5.read(made / "given.h5", "brdf-object").arrays
+    errors = dict(zip(arrays["metric_rows"], arrays["metrics"], strict=True))
+    assert errors["this surface"][0] < 0.1
+    assert errors["this surface"][2] < 0.6
