@@ -23,8 +23,9 @@ DOFS = 4  # z, z_u, z_v, z_uv
 
 
 def line_matrices(h: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Mass, stiffness and bending (4, 4) of a cubic Hermite element of length h; order: value, slope at 0, then "
-    "at h."""
+    """Mass, stiffness and bending (4, 4) of a cubic Hermite element of length h; order: value, slope at 0, then at
+    h.
+    """
     mass = np.array(
         [
             [156, 22 * h, 54, -13 * h],

@@ -174,8 +174,9 @@ def _sign(shape: Shape | None) -> float:
 
 
 def _full(picture: _Sizes, height: np.ndarray, relief: float) -> np.ndarray:
-    """A shape on the small grid at full size: the balloon is blown up anew, only the displacement from it is "
-    "enlarged."""
+    """A shape on the small grid at full size: the balloon is blown up anew, only the displacement from it is
+    enlarged.
+    """
     small = picture.fine
     moved = enlarge(height - relief * small.inflated, small.grid.mask, picture.mask)
     whole = relief * picture.balloon + moved

@@ -148,8 +148,9 @@ def forward_normals(z: np.ndarray, mask: np.ndarray) -> np.ndarray:
 def search(
     n: np.ndarray, intensity: np.ndarray, mask: np.ndarray, reflectance: Map, theta: float, params: Refinement
 ) -> np.ndarray:
-    """Normals nu (h, w, 3) of least |I - R(nu)| + |nu - n|^2 / (2 theta) among those of a table within a cap "
-    "about n."""
+    """Normals nu (h, w, 3) of least |I - R(nu)| + |nu - n|^2 / (2 theta) among those of a table within a cap about
+    n.
+    """
     offsets = np.linspace(-1, 1, params.candidates) * np.sin(np.radians(params.cap))
     dx, dy = (part.ravel() for part in np.meshgrid(offsets, offsets))
     own, seen = n[mask], intensity[mask]

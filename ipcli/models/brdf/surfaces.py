@@ -134,8 +134,9 @@ def rotation(rng: np.random.Generator, most: float = np.pi) -> np.ndarray:
 
 
 def random_solid(rng: np.random.Generator, side: int) -> Surface:
-    """One of the families: rounded boxes, potatoes, vases, cans, cups with a handle, rings, tubes, gear wheels, "
-    "bowls."""
+    """One of the families: rounded boxes, potatoes, vases, cans, cups with a handle, rings, tubes, gear wheels,
+    bowls.
+    """
     name = str(
         rng.choice(["box", "potato", "potato", "vase", "vase", "can", "can", "cup", "ring", "tube", "gear", "bowl"])
     )

@@ -83,8 +83,9 @@ def material_lesson(
     seed: int,
     tell: Progress = silent,
 ) -> MaterialLesson:
-    """Every generated surface pictured in every material, each under a random light of its own; a quarter are "
-    "sheets."""
+    """Every generated surface pictured in every material, each under a random light of its own; a quarter are
+    sheets.
+    """
     count = int(of_material.max()) + 1
     rows, materials, surfaces, probes = [], [], [], []
     for number in range(params.pictures):

@@ -52,8 +52,9 @@ class Source:
 
 
 def run(source: Source, output: Path, params: BrdfModel, run: Run, progress: Progress = silent) -> Outcome:
-    """Write the object and beside it a mesh (.ply), a printable relief (.stl), a normal map (.normals.png) and a page "
-    "(.html)."""
+    """Write the object and beside it a mesh (.ply), a printable relief (.stl), a normal map (.normals.png) and a
+    page (.html).
+    """
     beside: dict[Path, Beside] = {
         output.with_suffix(".ply"): write_mesh,
         output.with_suffix(".stl"): partial(write_relief, params),
