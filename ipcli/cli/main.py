@@ -51,6 +51,10 @@ SECTIONS = {
         "mocap-evaluate": Command("Tell how often actions are named right."),
         "import-clips": Command("Turn motion capture files into one file of labelled clips."),
     },
+    "Surfaces from one picture": {
+        "brdf-train": Command("Learn how materials look under all lights.", is_script=True),
+        "brdf-model": Command("Model the surface of an object from one photograph.", is_script=True),
+    },
     "Any artefact": {
         "info": Command("Tell what a file holds and how it was made."),
         "report": Command("Draw an artefact as an HTML page."),

@@ -82,6 +82,11 @@ def _bytes(path: Path) -> bytes:
         raise FormatError(path, f"cannot be read: {error.strerror}") from error
 
 
+def read_npy(path: Path) -> np.ndarray:
+    """The array of an NPY file, nothing pickled. FormatError otherwise."""
+    return _npy(Path(path), _bytes(Path(path)))
+
+
 def _npy(path: Path, data: bytes) -> np.ndarray:
     import io
 
@@ -113,6 +118,14 @@ def read_image(path: Path) -> np.ndarray:
     """Colours (h, w, 3) uint8 RGB of any image OpenCV reads; grey is repeated, alpha dropped. FormatError otherwise."""
     path = Path(path)
     return decoded(path, _bytes(path), as_colour=True)
+
+
+def read_stored(path: Path) -> np.ndarray:
+    """The numbers (h, w) or (h, w, c) of any image OpenCV reads as they are stored, channels in OpenCV's order.
+    FormatError otherwise.
+    """
+    path = Path(path)
+    return decoded(path, _bytes(path), as_colour=False)
 
 
 def decoded(path: Path, data: bytes, as_colour: bool) -> np.ndarray:

@@ -113,7 +113,7 @@ def _reason(job: Job, standing: Standing, digest: str, overwrite: bool) -> str |
         return "--overwrite is given"
     if standing.record.get("digest") != digest:
         raise OutputExists(job.output, "was made with other parameters, inputs or seed")
-    missing = [path.name for path in job.beside if path.suffix not in standing.files]
+    missing = [path.name for path in job.beside if path.name not in standing.files]
     if missing:
         standing.check_replaceable(job.output)
         return f"{', '.join(missing)} beside it does not exist"
@@ -130,7 +130,7 @@ def _check_sound(job: Job) -> None:
 
 
 def _publish(job: Job, arrays: Arrays, record: dict[str, Any], standing: Standing) -> Mapping[str, str]:
-    """Write all files and give them their names; the digest of each by its suffix."""
+    """Write all files and give them their names; the digest of each by its name."""
     atomic.sweep(job.output.parent)
     with ExitStack() as stack:
         drafts = {path: stack.enter_context(atomic.drafting(path)) for path in (*job.beside, job.output)}
@@ -139,7 +139,7 @@ def _publish(job: Job, arrays: Arrays, record: dict[str, Any], standing: Standin
             h5.write(drafts[job.output], job.kind, arrays, record)
         for written in writing:
             written.result()
-        files = {path.suffix: provenance.sha256(draft) for path, draft in drafts.items()}
+        files = {path.name: provenance.sha256(draft) for path, draft in drafts.items()}
         if _is_still(job, standing, record["digest"]):
             _give_names(job, drafts, files, standing)
     return files
@@ -166,7 +166,7 @@ def _give_names(job: Job, drafts: Mapping[Path, Path], files: Mapping[str, str],
         job.output.unlink()
     try:
         for path in job.beside:
-            atomic.publish(drafts[path], path, replace=path.suffix in standing.files)
+            atomic.publish(drafts[path], path, replace=path.name in standing.files)
         atomic.publish(drafts[job.output], job.output, replace=False)
     except FileExistsError as error:
         raise OutputExists(job.output, "was written by another run while this one was at work") from error

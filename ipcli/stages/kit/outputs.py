@@ -62,19 +62,19 @@ class Standing:
     """What is there of an artefact and of the files beside it, all of our own making."""
 
     record: Mapping[str, Any] | None  # provenance of the artefact; None: there is none
-    files: Mapping[str, str]  # digest of each file that is there, by suffix
+    files: Mapping[str, str]  # digest of each file that is there, by name
     is_recorded: bool  # whether a record says that ipcli wrote the artefact under this name
 
     @classmethod
     def of(cls, output: Path, kind: str, beside: Iterable[Path]) -> Standing:
         """Look. Raises OutputRefused for a file that is not of our making, or was changed since."""
         record, ours = _provenance(output, kind), _written(output)
-        found = {path.suffix: provenance.sha256(path) for path in (output, *beside) if os.path.lexists(path)}
+        found = {path.name: provenance.sha256(path) for path in (output, *beside) if os.path.lexists(path)}
         for path in beside:
-            if path.suffix in found and found[path.suffix] not in ours.get(path.suffix, ()):
+            if path.name in found and found[path.name] not in ours.get(path.name, ()):
                 raise OutputRefused(path, f"exists and is not what ipcli wrote there with {output.name}")
-        written = ours.get(ARTEFACT, ())
-        if record is not None and written and found[ARTEFACT] not in written:
+        written = ours.get(output.name, ())
+        if record is not None and written and found[output.name] not in written:
             raise OutputRefused(output, "exists and was damaged or changed since ipcli wrote it")
         return cls(record, found, bool(written))
 
@@ -108,7 +108,7 @@ def journal_path(output: Path) -> Path:
 
 
 def _written(output: Path) -> dict[str, set[str]]:
-    """Digests that each file may have by what the run record and the journal say, by suffix.
+    """Digests that each file may have by what the run record and the journal say, by name.
 
     Raises OutputRefused for a run record that is not of our making.
     """
@@ -118,17 +118,17 @@ def _written(output: Path) -> dict[str, set[str]]:
     found: dict[str, set[str]] = {}
     for path in (record, journal_path(output)):
         files = _json(path).get("files")
-        for suffix, digests in files.items() if isinstance(files, dict) else ():
-            found.setdefault(suffix, set()).update(map(str, digests if isinstance(digests, list) else [digests]))
+        for name, digests in files.items() if isinstance(files, dict) else ():
+            found.setdefault(name, set()).update(map(str, digests if isinstance(digests, list) else [digests]))
     return found
 
 
 def journal(output: Path, files: Iterable[tuple[str, str]]) -> str:
     """The text of a journal: each file may have these digests, and those that were known before."""
     known = _written(output)
-    for suffix, digest in files:
-        known.setdefault(suffix, set()).add(digest)
-    listed = {suffix: sorted(digests) for suffix, digests in sorted(known.items())}
+    for name, digest in files:
+        known.setdefault(name, set()).add(digest)
+    listed = {name: sorted(digests) for name, digests in sorted(known.items())}
     return json.dumps({"output": output.name, "files": listed}, indent=1) + "\n"
 
 

@@ -63,6 +63,19 @@ def test_nothing_is_written_into_an_input_folder(maker, overwrite):
 
 
 @EITHER
+def test_side_files_of_one_suffix_are_told_apart(maker, overwrite):
+    """Both `a.txt` and `a.more.txt` are of this run; one in place of the other is not."""
+    more = maker.output.parent / "a.more.txt"
+    sides = {maker.side: maker.write_side, more: lambda path, arrays, provenance: path.write_text("more")}
+    job = Job(maker.output, "views", "test", Size(), (maker.source,), sides)
+    assert make(job, lambda: maker.build(3), Run()) is Outcome.DONE
+    assert make(job, dict, Run()) is Outcome.UP_TO_DATE
+    more.write_bytes(maker.side.read_bytes())
+    with pytest.raises(OutputRefused, match="a.more.txt"):
+        make(job, dict, Run(overwrite=overwrite))
+
+
+@EITHER
 @pytest.mark.parametrize("name", ["a.txt", "a.views.run.json"])
 @pytest.mark.parametrize("when", ["before the artefact", "beside the artefact"])
 def test_a_foreign_side_file_is_refused_before_any_work(maker, name, when, overwrite):
@@ -271,7 +284,7 @@ def strays(maker):
 
 
 def test_a_journal_that_is_no_journal_vouches_for_nothing(maker):
-    for text in ("[]", "{", json.dumps({"files": {".txt": ["0" * 64]}}), '{"files": [1]}', "[" * 100_000):
+    for text in ("[]", "{", json.dumps({"files": {"a.txt": ["0" * 64]}}), '{"files": [1]}', "[" * 100_000):
         maker.output.parent.mkdir(exist_ok=True)
         outputs.journal_path(maker.output).write_text(text)
         maker.side.write_text("somebody else's")

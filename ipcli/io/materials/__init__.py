@@ -1,0 +1,1 @@
+"""Readers of materials and light probes."""

@@ -1,0 +1,1 @@
+"""The pages of brdf-train and brdf-model."""

@@ -1,0 +1,1 @@
+"""The commands brdf-train and brdf-model."""

@@ -1,0 +1,52 @@
+"""brdf-train: materials and light probes -> a library of reflectance maps and of what was learnt on generated scenes
+(chapter 7).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from ipcli.executor import map_items
+from ipcli.io.materials import probes
+from ipcli.models.brdf import training
+from ipcli.models.brdf.reflectance import charts
+from ipcli.params import Run
+from ipcli.progress import Progress, silent
+from ipcli.stages.brdf.materials import Listed, brdf, is_metal, read
+from ipcli.stages.brdf.parameters import BrdfTrain
+from ipcli.stages.kit.artefact import Job, Outcome, make
+from ipcli.stages.kit.pages import page
+
+
+def run(source: Path, output: Path, params: BrdfTrain, run: Run, progress: Progress = silent) -> Outcome:
+    """Write the library and beside it a page (.html)."""
+    listed = read(source)
+    job = Job(output, "brdf-library", "brdf-train", params, listed.inputs(source), page(output, "brdf-library"))
+    return make(job, lambda: library(listed, params, run, progress), run)
+
+
+def library(listed: Listed, params: BrdfTrain, run: Run, progress: Progress) -> dict[str, np.ndarray]:
+    """The arrays of the `brdf-library` artefact; the maps of each material are one item of the executor."""
+    names = list(listed.materials)
+    one = partial(maps_of, listed=listed, params=params, seed=run.seed)
+    made = map_items(one, names, run.executor, lambda share, what: progress(0.3 * share, what))
+    metals = np.array([is_metal(entry) for entry in listed.materials.values()])
+    seen = np.concatenate([made[name] for name in names])
+    known = lights_of(listed, params, run.seed)
+    return training.learn(
+        seen, names, metals, known, params.learning, run.seed, lambda s, what: progress(0.3 + 0.7 * s, what)
+    )
+
+
+def lights_of(listed: Listed, params: BrdfTrain, seed: int) -> training.Lights:
+    """The lights of the list and the generated ones."""
+    return training.lights({name: probes.read(path) for name, path in listed.probes.items()}, params.learning, seed)
+
+
+def maps_of(name: str, *, listed: Listed, params: BrdfTrain, seed: int) -> np.ndarray:
+    """Charts (k, s, s, 3) of one material under all lights."""
+    known = lights_of(listed, params, seed)
+    return np.maximum(charts(brdf(listed.materials[name]), known.lights), 0).astype(np.float32)

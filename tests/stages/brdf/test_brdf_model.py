@@ -1,0 +1,91 @@
+"""brdf-model from the shell: all files, their frames, and what is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipcli.cli.main import main
+from ipcli.io.files import h5, images, ply
+from ipcli.io.materials import photographs
+from tests.fixtures import brdf_scenes
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("brdf")
+    library = brdf_scenes.library(folder / "library.h5")
+    photo, mask, normals, height = brdf_scenes.ball(folder)
+    truth = ("--true-normals", str(normals), "--true-height", str(height))
+    words = (
+        str(library),
+        str(photo),
+        "--mask",
+        str(mask),
+        *truth,
+        "--width-mm",
+        "80",
+        "--normals",
+        "directx",
+        "--rim",
+        "solid",
+    )
+    assert main(["brdf-model", *words, *brdf_scenes.FAST, "-o", str(folder / "egg.h5"), "--quiet"]) == 0
+    return folder
+
+
+def test_the_surface_is_better_than_flat_and_its_errors_are_told(made):
+    arrays = h5.read(made / "egg.h5", "brdf-object").arrays
+    errors = dict(zip(arrays["metric_rows"], arrays["metrics"][:, 0], strict=True))
+    assert errors["this surface"] < 0.5 * errors["flat"]
+    assert np.isfinite(arrays["metrics"]).all()
+    inside = arrays["mask"] > 0
+    np.testing.assert_allclose(np.linalg.norm(arrays["normals"][inside], axis=-1), 1, atol=1e-5)
+    assert np.isnan(arrays["height"][~inside]).all()
+
+
+def test_normal_map_mesh_and_relief_are_of_the_surface(made):
+    arrays = h5.read(made / "egg.h5", "brdf-object").arrays
+    inside = arrays["mask"] > 0
+    read = photographs.read_normals(made / "egg.normals.png", "directx", inside.shape)
+    np.testing.assert_allclose(read[inside], arrays["normals"][inside], atol=1e-4)
+    mesh = ply.read(made / "egg.ply")
+    assert len(mesh.vertices) == inside.sum()
+    assert np.ptp(mesh.vertices[:, 0]) == pytest.approx(
+        80 * (1 - 1 / np.ptp(np.flatnonzero(inside.any(axis=0)) + 1)), rel=0.03
+    )
+    trimesh = pytest.importorskip("trimesh")
+    relief = trimesh.load(made / "egg.stl")
+    assert relief.is_watertight
+
+
+def test_the_page_shows_the_tie_and_the_errors(made):
+    text = (made / "egg.html").read_text(encoding="utf-8")
+    assert "does not tell convex from concave" in text
+    assert "inflation" in text
+    assert "<script" not in text
+
+
+def test_a_photograph_beside_the_output_is_not_replaced(made):
+    """The normal map of egg.h5 would be egg.png, which is the input here: it has a name of its own."""
+    assert images.read_stored(made / "egg.png").dtype == np.uint8
+
+
+@pytest.mark.parametrize(("change", "code"), [("mask", 1), ("small", 3), ("library", 1)])
+def test_bad_input_fails_in_one_line(made, tmp_path, capsys, change, code):
+    photo, mask, _, _ = brdf_scenes.ball(tmp_path, 20 if change == "small" else 48)
+    if change == "mask":
+        images.write_png(mask, np.zeros((48, 48), np.uint8))
+    library = made / "egg.h5" if change == "library" else made / "library.h5"
+    assert main(["brdf-model", str(library), str(photo), "--mask", str(mask), "-o", str(tmp_path / "x.h5")]) == code
+    assert len(capsys.readouterr().err.strip().splitlines()) == 1
+
+
+def test_given_normals_are_integrated(made):
+    words = [str(made / "library.h5"), str(made / "egg.png"), "--mask", str(made / "egg.mask.png")]
+    truth = ["--normals-from", str(made / "egg.normals.npy"), "--true-height", str(made / "egg.npy")]
+    assert main(["brdf-model", *words, *truth, "-o", str(made / "given.h5"), "--quiet"]) == 0
+    arrays = h5.read(made / "given.h5", "brdf-object").arrays
+    errors = dict(zip(arrays["metric_rows"], arrays["metrics"], strict=True))
+    assert errors["this surface"][0] < 0.1
+    assert errors["this surface"][2] < 0.6
