@@ -11,7 +11,7 @@ import numpy as np
 from ipcli.models.brdf import surfaces
 from ipcli.models.brdf.grid import normals
 from ipcli.models.brdf.scenes import cropped
-from ipcli.models.brdf.surfaces import Surface
+from ipcli.models.brdf.surfaces import ImplicitSurface
 
 MIT = ("apple", "potato", "teabag1", "teabag2", "paper1")
 DILIGENT = ("ball", "bear", "cat", "goblet", "pot1", "reading")
@@ -81,7 +81,7 @@ def diligent(data: Path, names: tuple[str, ...] = DILIGENT) -> Iterator[Case]:
             yield Case(f"{name} {mix}", name, _png(folder / f"mix_{mix}.png")[box], mask[box], true[box], None)
 
 
-def own(side: int) -> dict[str, Surface]:
+def own(side: int) -> dict[str, ImplicitSurface]:
     """Boot, moka pot, dish, teapot and vase as implicit solids: none is of the families that libraries learn from."""
     tilt = _about_x(0.35)
     made = {

@@ -52,7 +52,7 @@ def main(
     """Model the surface of the object in PHOTO, with a LIBRARY of brdf-train."""
     from ipcli.stages.brdf import brdf_model
 
-    source = brdf_model.Source(library, photo, mask, true_normals, true_height, convention, normals_from)
+    source = brdf_model.ObjectFiles(library, photo, mask, true_normals, true_height, convention, normals_from)
     with progress("brdf-model", run) as tell:
         brdf_model.run(source, output, params, run, tell)
     conclude(brdf_model.summary(output), run)

@@ -16,7 +16,7 @@ from ipcli.models.brdf.energy import cell_normals
 from ipcli.models.brdf.evaluation import angles, inside
 from ipcli.models.brdf.grid import inflate, normals
 from ipcli.models.brdf.solid import Pictured
-from ipcli.models.brdf.surfaces import Surface
+from ipcli.models.brdf.surfaces import ImplicitSurface
 
 FEATURES = (
     "shading explained by light",
@@ -82,7 +82,7 @@ def accuracy(features: np.ndarray, labels: np.ndarray, folds: int = 10) -> float
     return float(right.mean())
 
 
-def better_as_sheet(made: Surface, relief: float) -> bool:
+def better_as_sheet(made: ImplicitSurface, relief: float) -> bool:
     """Whether the flattened balloon of the mask has less error of its normals than the balloon."""
     balloon = inflate(made.mask)
     where = inside(made.mask)

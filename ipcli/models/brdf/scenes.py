@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipcli.models.brdf.reflectance import shade
-from ipcli.models.brdf.surfaces import Surface, random_sheet, random_solid
+from ipcli.models.brdf.surfaces import ImplicitSurface, random_sheet, random_solid
 
 SMALLEST = 0.06  # share of the picture that an object fills at least
 
@@ -17,12 +17,12 @@ SMALLEST = 0.06  # share of the picture that an object fills at least
 class PicturedScene:
     """A surface and a linear picture of it."""
 
-    surface: Surface
+    surface: ImplicitSurface
     picture: np.ndarray  # (s, s, 3), 0 outside the mask
     chart: int  # which of the charts it was seen through
 
 
-def surface(rng: np.random.Generator, side: int, sheets: float = 0.5) -> Surface:
+def surface(rng: np.random.Generator, side: int, sheets: float = 0.5) -> ImplicitSurface:
     """A random surface in one piece that is not too small, a sheet with the probability given; cropped to its mask."""
     from scipy.ndimage import label
 
@@ -33,15 +33,15 @@ def surface(rng: np.random.Generator, side: int, sheets: float = 0.5) -> Surface
             return cropped(made)
 
 
-def cropped(made: Surface) -> Surface:
+def cropped(made: ImplicitSurface) -> ImplicitSurface:
     """The surface on the box of its mask."""
     rows, columns = (np.flatnonzero(made.mask.any(axis=axis)) for axis in (1, 0))
     box = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    return Surface(made.mask[box], made.height[box], made.normals[box], made.is_sheet, made.name)
+    return ImplicitSurface(made.mask[box], made.height[box], made.normals[box], made.is_sheet, made.name)
 
 
 def scene(
-    made: Surface, charts: Sequence[np.ndarray] | np.ndarray, rng: np.random.Generator, noise: float = 0.01
+    made: ImplicitSurface, charts: Sequence[np.ndarray] | np.ndarray, rng: np.random.Generator, noise: float = 0.01
 ) -> PicturedScene:
     """A picture of the surface through one of the colour charts (s, s, 3): noise, clipped highlights, 8 bits."""
     index = int(rng.integers(len(charts)))
@@ -49,7 +49,7 @@ def scene(
     return PicturedScene(made, picture, index)
 
 
-def photograph(made: Surface, chart: np.ndarray, rng: np.random.Generator, noise: float = 0.01) -> np.ndarray:
+def photograph(made: ImplicitSurface, chart: np.ndarray, rng: np.random.Generator, noise: float = 0.01) -> np.ndarray:
     """A linear picture (s, s, 3) of a surface through a colour chart, exposed so that 1 in 200 pixels is clipped."""
     picture = np.zeros((*made.mask.shape, 3))
     seen = shade(chart, made.normals[made.mask])

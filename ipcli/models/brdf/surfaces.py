@@ -20,7 +20,7 @@ GRADIENT = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class ImplicitSurface:
     """The visible part of a surface."""
 
     mask: np.ndarray  # (s, s) bool
@@ -30,7 +30,7 @@ class Surface:
     name: str
 
 
-def march(inside: Implicit, side: int, name: str = "solid") -> Surface:
+def march(inside: Implicit, side: int, name: str = "solid") -> ImplicitSurface:
     """Cast a ray a pixel along -z into an implicit solid: first crossing, bisected; normals from the gradient there."""
     axis = (np.arange(side) + 0.5) / side * 2 - 1
     x, y = np.meshgrid(axis, -axis)
@@ -56,7 +56,7 @@ def march(inside: Implicit, side: int, name: str = "solid") -> Surface:
     height, normal = np.full(mask.shape, np.nan), np.full((*mask.shape, 3), np.nan)
     height[mask] = low * side / 2
     normal[mask] = gradient / np.maximum(np.linalg.norm(gradient, axis=1, keepdims=True), 1e-12)
-    return Surface(mask, height, normal, False, name)
+    return ImplicitSurface(mask, height, normal, False, name)
 
 
 def ellipsoid(radii: np.ndarray, exponent: float = 2.0) -> Implicit:
@@ -133,7 +133,7 @@ def rotation(rng: np.random.Generator, most: float = np.pi) -> np.ndarray:
     return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * (k @ k)
 
 
-def random_solid(rng: np.random.Generator, side: int) -> Surface:
+def random_solid(rng: np.random.Generator, side: int) -> ImplicitSurface:
     """One of the families: rounded boxes, potatoes, vases, cans, cups with a handle, rings, tubes, gear wheels,
     bowls.
     """
@@ -223,7 +223,7 @@ def _bowl(rng: np.random.Generator) -> Implicit:
     return turned(bowl(radius, rng.uniform(0.05, 0.12), radius * rng.uniform(-0.1, 0.5)), rotation(rng, 0.5))
 
 
-def random_sheet(rng: np.random.Generator, side: int) -> Surface:
+def random_sheet(rng: np.random.Generator, side: int) -> ImplicitSurface:
     """A cut piece of paper, cloth, foil or a filled bag: a polygon with straight or torn edges, bent, waved or
     stuffed.
     """
@@ -244,7 +244,7 @@ def random_sheet(rng: np.random.Generator, side: int) -> Surface:
     if rng.uniform() < 0.25:  # a fold
         z = z - rng.uniform(0.1, 0.6) * np.abs(along - rng.uniform(-0.3, 0.3))
     height = np.where(mask, z * side / 2, np.nan)
-    return Surface(mask, height, normals_of_height(height, mask), True, "sheet")
+    return ImplicitSurface(mask, height, normals_of_height(height, mask), True, "sheet")
 
 
 def _pillow(mask: np.ndarray) -> np.ndarray:

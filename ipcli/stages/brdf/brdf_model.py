@@ -32,7 +32,7 @@ SMALLEST = 24  # pixels along the longer side of an object, below which patches 
 
 
 @dataclass(frozen=True)
-class Source:
+class ObjectFiles:
     """The files of one object."""
 
     library: Path
@@ -51,7 +51,7 @@ class Source:
         )
 
 
-def run(source: Source, output: Path, params: BrdfModel, run: Run, progress: Progress = silent) -> Outcome:
+def run(source: ObjectFiles, output: Path, params: BrdfModel, run: Run, progress: Progress = silent) -> Outcome:
     """Write the object and beside it a mesh (.ply), a printable relief (.stl), a normal map (.normals.png) and a
     page (.html).
     """
@@ -65,7 +65,7 @@ def run(source: Source, output: Path, params: BrdfModel, run: Run, progress: Pro
     return make(job, lambda: modelled(source, params, progress), run)
 
 
-def modelled(source: Source, params: BrdfModel, progress: Progress) -> dict[str, np.ndarray]:
+def modelled(source: ObjectFiles, params: BrdfModel, progress: Progress) -> dict[str, np.ndarray]:
     """The arrays of the `brdf-object` artefact."""
     shelf = Library.of(h5.read(source.library, "brdf-library").arrays)
     photo = photographs.read(source.photo, source.mask, params.response)
@@ -134,7 +134,7 @@ def described(
     }
 
 
-def judged(arrays: Mapping[str, np.ndarray], source: Source) -> dict[str, np.ndarray]:
+def judged(arrays: Mapping[str, np.ndarray], source: ObjectFiles) -> dict[str, np.ndarray]:
     """Errors of the surface and of the shapes that need no picture, where the truth is given."""
     mask = arrays["mask"] > 0
     truth = {}

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from ipcli.models.gaze.parameters import Localisation
 from ipcli.params import option
-from ipcli.stages.gaze.sources import Source
+from ipcli.stages.gaze.sources import RecordingSource
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class GazeSfm:
 
     poses_only: bool = option(False, "Only the head's path: no points of regard, no gaze.", flag="--poses-only")
     localisation: Localisation = field(default_factory=Localisation)
-    source: Source = field(default_factory=Source)
+    source: RecordingSource = field(default_factory=RecordingSource)
 
 
 @dataclass(frozen=True)
@@ -24,14 +24,14 @@ class Check:
 
     pairs: int = option(12, "Pairs to look at, spread over the recording.", flag="--pairs", low=2)
     localisation: Localisation = field(default_factory=Localisation)
-    source: Source = field(default_factory=Source)
+    source: RecordingSource = field(default_factory=RecordingSource)
 
 
 @dataclass(frozen=True)
 class ImportRecording:
     """What import-recording takes."""
 
-    source: Source = field(default_factory=Source)
+    source: RecordingSource = field(default_factory=RecordingSource)
 
 
 @dataclass(frozen=True)
@@ -40,4 +40,4 @@ class GazeViews:
 
     every: int = option(1, "Take every so many-th frame of the map.", flag="--every", low=1)
     disparity_sigma: float = option(0.4, "Error of a disparity, for its confidence.", low=0.01, unit="px")
-    source: Source = field(default_factory=Source)
+    source: RecordingSource = field(default_factory=RecordingSource)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Source:
+class RecordingSource:
     """Hints on the recording; None leaves the layout's own default."""
 
     format: str = option(
@@ -34,7 +34,7 @@ class Source:
     step: int = option(1, "Take every so many-th frame.", flag="--step", low=1)
 
 
-def open_source(path: Path, source: Source) -> HeadRecording:
+def open_source(path: Path, source: RecordingSource) -> HeadRecording:
     """The recording with its gaze. Raises what io.gaze.layouts.open_recording and gaze_files.read_gaze raise."""
     from ipcli.io.gaze import layouts
     from ipcli.measurements.recording import window
@@ -48,7 +48,7 @@ def open_source(path: Path, source: Source) -> HeadRecording:
     return found
 
 
-def _with_gaze(found: HeadRecording, source: Source, beside: Path) -> HeadRecording:
+def _with_gaze(found: HeadRecording, source: RecordingSource, beside: Path) -> HeadRecording:
     """Gaze of --gaze, else the recording's own, else of a gaze.csv in its folder."""
     from ipcli.io.gaze import gaze_files
 
