@@ -84,7 +84,7 @@ def test_no_points_are_no_cells_and_too_many_cells_are_refused():
 
 def test_moved_points_are_turned_and_shifted():
     points, motion = some_points(np.random.default_rng(1), 5), pose_at((1.0, 2.0, 3.0), 0.4)
-    back = points.moved(motion).moved(np.linalg.inv(motion))
+    back = points.transform(motion).transform(np.linalg.inv(motion))
     np.testing.assert_allclose(back.position, points.position, atol=1e-12)
-    np.testing.assert_allclose(np.linalg.norm(points.moved(motion).normal, axis=1), 1)
-    assert np.abs(points.moved(motion).normal - points.normal).max() > 0.1
+    np.testing.assert_allclose(np.linalg.norm(points.transform(motion).normal, axis=1), 1)
+    assert np.abs(points.transform(motion).normal - points.normal).max() > 0.1
