@@ -37,9 +37,10 @@ class Orthographic:
         return points @ self.rotation[2]
 
     def lift(self, pixels: np.ndarray, depth: np.ndarray) -> np.ndarray:
-        """World points (..., 3) of pixels (..., 2) at a depth (...)."""
+        """World points (..., 3) of pixels (..., 2) at a depth (...), or one depth for all."""
         inplane = (pixels - self.shift) / self.scale
-        return np.concatenate([inplane, np.asarray(depth)[..., None]], axis=-1) @ self.rotation
+        along = np.broadcast_to(depth, inplane.shape[:-1])[..., None]
+        return np.concatenate([inplane, along], axis=-1) @ self.rotation
 
     @property
     def direction(self) -> np.ndarray:

@@ -1,0 +1,105 @@
+"""Aspects: a part's mask in one image, lifted to a closed surface by finite elements (thesis 6.3.1, algorithm 6.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipcli.geometry.triangulation import reflect, triangulate_mask
+from ipcli.inverse.regularize import finite_elements
+from ipcli.models.animal.loads import load
+from ipcli.models.animal.parameters import Inflation
+
+LEAST_PIXELS = 12  # of a mask that can be triangulated
+CUT_MARGIN = 1  # pixels between two parts that still count as touching
+
+
+@dataclass(frozen=True, eq=False)
+class Aspect:
+    """Half thickness over a mask, in pixels of its image: a triangulation and the same as a picture."""
+
+    points: np.ndarray  # (n, 2) column, row
+    triangles: np.ndarray  # (m, 3)
+    heights: np.ndarray  # (n,)
+    mask: np.ndarray  # (h, w) bool: the mask that was lifted, with what was added where other parts cut or hide it
+    picture: np.ndarray  # (h, w) float32 heights of all pixels, 0 outside
+
+    def surface(self) -> tuple[np.ndarray, np.ndarray]:
+        """The closed surface: vertices (k, 3) of (column, row, height) and faces."""
+        return reflect(self.points, self.triangles, self.heights)
+
+
+def inflate(mask: np.ndarray, params: Inflation, flatness: float = 1.0) -> Aspect:
+    """Lift the largest blob of a mask (h, w) bool; heights are divided by `flatness`.
+
+    sqrt-poisson is the root of a membrane under a constant load (Baran and Lehtinen 2009): a strip becomes a round
+    limb. The others are the membrane (or plate, with `bending`) itself under the load of (6.4) in one of its forms.
+    """
+    spacing = max(np.sqrt(2.3 * mask.sum() / params.triangles), 0.8)
+    points, triangles = triangulate_mask(mask, spacing, params.smoothing)
+    lifting = load(mask, params)
+    if params.bending > 0:
+        bending = (params.bending * _largest_radius(mask)) ** 2
+        heights = finite_elements.plate(points, triangles, lifting, bending, 1.0)
+    else:
+        heights = finite_elements.membrane(points, triangles, lifting)
+    heights = np.maximum(heights, 0.0)
+    heights = (np.sqrt(heights) if params.load == "sqrt-poisson" else heights) / flatness
+    return Aspect(points, triangles, heights, mask, _picture(points, heights, mask.shape))
+
+
+def _largest_radius(mask: np.ndarray) -> float:
+    from scipy.ndimage import distance_transform_edt
+
+    return float(distance_transform_edt(np.pad(mask, 1)).max())
+
+
+def _picture(points: np.ndarray, heights: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    from scipy.interpolate import LinearNDInterpolator
+
+    picture = np.zeros(shape, np.float32)
+    low = np.maximum(np.floor(points.min(axis=0)).astype(int), 0)
+    high = np.minimum(np.ceil(points.max(axis=0)).astype(int) + 1, [shape[1], shape[0]])
+    u, v = np.meshgrid(np.arange(low[0], high[0]), np.arange(low[1], high[1]))
+    picture[low[1] : high[1], low[0] : high[0]] = LinearNDInterpolator(points, heights, fill_value=0.0)(u, v)
+    return picture
+
+
+def completed(own: np.ndarray, silhouette: np.ndarray) -> np.ndarray:
+    """A part's mask with what other parts probably hide of it, (h, w) bool.
+
+    Notches narrower than the part are closed, as far as other parts cover them. Across each edge that it shares with
+    another part a cap half as wide as the edge is added: the edge is a cut and no contour, and a surface that came
+    down to it would pinch the joint.
+    """
+    if not own.any():
+        return own
+    hidden = silhouette & ~own
+    return own | (hidden & (_closed(own) | _caps(own, hidden)))
+
+
+def _closed(own: np.ndarray) -> np.ndarray:
+    """Closing with a disc as large as the largest that fits."""
+    from scipy.ndimage import binary_fill_holes, distance_transform_edt
+
+    radius = int(np.ceil(_largest_radius(own)))
+    grown = distance_transform_edt(~np.pad(own, radius + 1)) <= radius
+    shrunk = distance_transform_edt(grown) > radius
+    return binary_fill_holes(shrunk)[radius + 1 : -radius - 1, radius + 1 : -radius - 1]
+
+
+def _caps(own: np.ndarray, hidden: np.ndarray) -> np.ndarray:
+    """Half discs over the cuts: pixels near the middle of a shared edge, within half its length."""
+    from scipy.ndimage import binary_dilation, distance_transform_edt, label
+
+    cut = own & binary_dilation(hidden, np.ones((3, 3)), CUT_MARGIN)
+    edges, count = label(cut, np.ones((3, 3)))
+    caps = np.zeros(own.shape, bool)
+    for edge in range(1, count + 1):
+        rows, columns = np.nonzero(edges == edge)
+        extent = max(np.ptp(rows), np.ptp(columns)) + 1
+        if extent >= 3:
+            away = distance_transform_edt(edges != edge)
+            caps |= away <= extent / 2
+    return caps

@@ -1,0 +1,147 @@
+"""The whole animal: all parts as one closed surface that knows which part each face belongs to (thesis 6.4, end)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ipcli.errors import NoSolution
+from ipcli.geometry import level_sets
+from ipcli.geometry.orthographic import Orthographic
+from ipcli.geometry.voxels import Grid, Sight, hull
+from ipcli.measurements.part_images import PartImage, PartTree
+from ipcli.models.animal import rims
+from ipcli.models.animal.parameters import Modelling, Volume
+from ipcli.models.animal.parts import Shot, carve, rounded
+
+COARSE = 48  # points along each side of the grid that finds where the animal is
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A closed mesh: vertices (n, 3) float32, faces (m, 3) int32, the part of each face (m,) int16, and closed meshes of
+    the single parts by index.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    face_part: np.ndarray
+    parts: dict[int, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+
+
+def model(
+    images: Sequence[PartImage], cameras: Sequence[Orthographic], tree: PartTree, params: Modelling
+) -> Surface:
+    """One surface from images of one pose with their cameras. NoSolution when the silhouettes have nothing in common."""
+    grid = grid_of(images, cameras, params.volume.voxels)
+    shots = [Shot(image, camera, Sight.of(grid, camera)) for image, camera in zip(images, cameras, strict=True)]
+    carved = carve(shots, tree)
+    fields, _ = rounded(carved, shots, tree, params.inflation)
+    return surface(fields, carved, shots, grid, params.volume)
+
+
+def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels: int) -> Grid:
+    """The grid around the visual hull, with so many voxels along its longest side.
+
+    A view that nothing bounds along its direction (a single image) is given the depth of the animal's height.
+    """
+    middle = np.mean([c.lift(_middle(i.silhouette), 0.0) for i, c in zip(images, cameras, strict=True)], axis=0)
+    reach = max(max(image.silhouette.shape) / camera.scale for image, camera in zip(images, cameras, strict=True))
+    single = len({tuple(np.round(np.abs(c.direction), 3)) for c in cameras}) == 1
+    rough = Grid(middle - reach, 2 * reach / COARSE, (COARSE + 1,) * 3)
+    field = hull([Sight.of(rough, c) for c in cameras], [i.silhouette for i in images])
+    inside = np.argwhere(field < 1.0)
+    if not len(inside):
+        raise NoSolution("the silhouettes have nothing in common: check the names of the views and that all show one pose")
+    low = rough.origin + rough.spacing * (inside.min(axis=0) - 1)
+    high = rough.origin + rough.spacing * (inside.max(axis=0) + 1)
+    if single:
+        low, high = _shallow(low, high, images[0], cameras[0])
+    return Grid.around(low, high, float((high - low).max()) / voxels)
+
+
+def _middle(mask: np.ndarray) -> np.ndarray:
+    rows, columns = np.nonzero(mask)
+    return np.array([columns.min() + columns.max(), rows.min() + rows.max()]) / 2
+
+
+def _shallow(low: np.ndarray, high: np.ndarray, image: PartImage, camera: Orthographic) -> tuple[np.ndarray, np.ndarray]:
+    """The box cut, along the view, to the shorter side of the silhouette."""
+    rows, columns = np.nonzero(image.silhouette)
+    depth = min(np.ptp(rows), np.ptp(columns)) / camera.scale
+    axis = int(np.argmax(np.abs(camera.direction)))
+    low[axis], high[axis] = -depth / 2, depth / 2
+    return low, high
+
+
+def surface(
+    fields: Sequence[np.ndarray],
+    carved: Sequence[np.ndarray],
+    shots: Sequence[Shot],
+    grid: Grid,
+    params: Volume,
+) -> Surface:
+    """Merge the fields of all parts, round the whole, and mesh it and each part."""
+    phi = merged(fields, carved, shots, params)
+    solid = level_sets.largest(level_sets.fill(phi < 0))
+    phi = np.where(solid, np.minimum(phi, -level_sets.LEAST), np.where(phi < 0, level_sets.LEAST, phi))
+    vertices, faces = level_sets.mesh(phi, grid.spacing, grid.origin)
+    vertices = vertices.astype(np.float32)
+    labels = labels_at(fields, grid, vertices[faces].mean(axis=1))
+    return Surface(vertices, faces.astype(np.int32), labels, closed_parts(fields, phi, grid))
+
+
+def merged(
+    fields: Sequence[np.ndarray], carved: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume
+) -> np.ndarray:
+    """The field of the whole, rounded as `params.merge` says."""
+    union = np.minimum.reduce(list(fields)).astype(np.float32)
+    if params.merge != "hull":
+        return level_sets.flow(union, params.steps * level_sets.STABLE).astype(np.float32)
+    sights = [shot.sight for shot in shots]
+    outlines = [shot.sight.silhouette_distance(shot.image.silhouette) for shot in shots]
+    whole = np.maximum.reduce(outlines)
+    wanted = [rims.wanted_depth(sight, rim) for sight, rim in zip(sights, outlines, strict=True)]
+    covered = rims.keep_rims(union, whole, sights, wanted)
+    bound = np.maximum(whole, np.minimum(np.minimum.reduce(list(carved)), covered))
+    return rims.round_off(union, bound, sights, outlines, params.steps)
+
+
+def labels_at(fields: Sequence[np.ndarray], grid: Grid, points: np.ndarray) -> np.ndarray:
+    """For world points (n, 3) the part (n,) int16 whose field is least."""
+    from scipy.ndimage import map_coordinates
+
+    at = ((points - grid.origin) / grid.spacing).T
+    values = [map_coordinates(np.asarray(f, np.float32), at, order=1, mode="nearest") for f in fields]
+    return np.argmin(values, axis=0).astype(np.int16)
+
+
+def closed_parts(fields: Sequence[np.ndarray], whole: np.ndarray, grid: Grid) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+    """A closed mesh of each part inside the whole; parts that came out empty are left out."""
+    meshes = {}
+    for part, field in enumerate(fields):
+        phi = np.maximum(field, whole)
+        if not (phi < 0).any():
+            continue
+        solid = level_sets.largest(phi < 0)
+        vertices, faces = level_sets.mesh(np.where(solid, phi, np.maximum(phi, level_sets.LEAST)), grid.spacing, grid.origin)
+        meshes[part] = (vertices.astype(np.float32), faces.astype(np.int32))
+    return meshes
+
+
+def seen_by(surface: Surface, images: Sequence[PartImage], cameras: Sequence[Orthographic]) -> np.ndarray:
+    """How many images saw each vertex (n,) uint16: those in which nothing of the surface lies before it."""
+    from ipcli.geometry.part_masks import render
+
+    count = np.zeros(len(surface.vertices), np.uint16)
+    vertices = surface.vertices.astype(np.float64)
+    slack = 0.01 * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    for image, camera in zip(images, cameras, strict=True):
+        shape = image.labels.shape
+        _, depth = render(vertices, surface.faces, surface.face_part + 1, camera, shape)
+        column, row = np.rint(camera.project(vertices)).astype(int).T
+        column, row = np.clip(column, 0, shape[1] - 1), np.clip(row, 0, shape[0] - 1)
+        count += camera.depth(vertices) <= depth[row, column] + slack
+    return count
