@@ -27,6 +27,16 @@ def render(
     """Labels (h, w) int16 and depth (h, w) float32 of a mesh: for each pixel those of the first face that its ray
     meets, 0 and NaN where there is none. face_labels (m,) counts from 1.
     """
+    first, depth = first_faces(vertices, faces, camera, shape)
+    labels = np.zeros(shape, np.int16)
+    labels[first >= 0] = face_labels[first[first >= 0]]
+    return labels, depth
+
+
+def first_faces(
+    vertices: np.ndarray, faces: np.ndarray, camera: Orthographic, shape: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """For each pixel the first face (h, w) int64 that its ray meets, -1 for none, and its depth (h, w) float32."""
     from ipcli.geometry import open3d
 
     core = open3d.load().core
@@ -41,10 +51,9 @@ def render(
     start = camera.lift(np.stack([u, v], axis=-1).astype(np.float64), camera.depth(middle) - STANDOFF * extent)
     rays = np.concatenate([(start - middle) / extent, np.broadcast_to(camera.direction, start.shape)], axis=-1)
     hit = scene.cast_rays(core.Tensor(rays.astype(np.float32)))
-    first, along = hit["primitive_ids"].numpy(), hit["t_hit"].numpy()
+    along = hit["t_hit"].numpy()
     met = np.isfinite(along)
-    labels = np.zeros(shape, np.int16)
-    labels[met] = face_labels[first[met].astype(np.int64)]
+    first = np.where(met, hit["primitive_ids"].numpy().astype(np.int64), -1)
     depth = np.full(shape, np.nan, np.float32)
     depth[met] = camera.depth(middle) + extent * (along[met] - STANDOFF)
-    return labels, depth
+    return first, depth

@@ -73,3 +73,31 @@ class PartImage:
 def seen_by(images: Sequence[PartImage], part: int) -> list[int]:
     """Indices of the images that show a part."""
     return [k for k, image in enumerate(images) if image.mask(part).any()]
+
+
+LEAST_PIXELS = 60  # of a mask that tells a shape
+
+
+def oddities(images: Sequence[PartImage], tree: PartTree) -> list[str]:
+    """What is odd about masks and may spoil the model, a sentence each: holes, several blobs, too few pixels, masks at
+    the border of their image, parts that no image of the reference pose shows.
+    """
+    from scipy.ndimage import binary_fill_holes, label
+
+    found = []
+    for image in images:
+        for part, name in enumerate(tree.names):
+            mask = image.mask(part)
+            if not mask.any():
+                continue
+            where, blobs = f"{name} in {image.name}", label(mask, np.ones((3, 3)))[1]
+            if mask.sum() < LEAST_PIXELS:
+                found.append(f"{where}: only {int(mask.sum())} pixels, {LEAST_PIXELS} and more tell a shape")
+            if blobs > 1:
+                found.append(f"{where}: {blobs} blobs; only the largest gives shape")
+            if (binary_fill_holes(image.silhouette) & ~image.silhouette & binary_fill_holes(mask)).any():
+                found.append(f"{where}: a hole through which the background shows")
+            if mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any():
+                found.append(f"{where}: touches the border of the image, so its outline may be cut")
+    shown = {part for image in images if image.is_reference for part in range(len(tree)) if image.mask(part).any()}
+    return found + [f"{tree.names[p]}: no image of the reference pose shows it" for p in range(len(tree)) if p not in shown]

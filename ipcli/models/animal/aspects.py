@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ipcli.geometry.triangulation import reflect, triangulate_mask
 from ipcli.inverse.regularize import finite_elements
+from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal.loads import load
 from ipcli.models.animal.parameters import Inflation
 
+LEAST_SHARE = 0.25  # of the pixels of a part in its largest mask
 LEAST_PIXELS = 12  # of a mask that can be triangulated
 CUT_MARGIN = 1  # pixels between two parts that still count as touching
 
@@ -47,6 +50,32 @@ def inflate(mask: np.ndarray, params: Inflation, flatness: float = 1.0) -> Aspec
     heights = np.maximum(heights, 0.0)
     heights = (np.sqrt(heights) if params.load == "sqrt-poisson" else heights) / flatness
     return Aspect(points, triangles, heights, mask, _picture(points, heights, mask.shape))
+
+
+def lift_all(
+    images: Sequence[PartImage],
+    tree: PartTree,
+    params: Inflation,
+    progress: Callable[[float, str], None] = lambda share, what: None,
+) -> dict[tuple[str, int], Aspect]:
+    """The aspects of all parts in all images that are to give them their shape, by name of image and part.
+
+    An image that shows less than a quarter as many pixels of a part as another does is passed over.
+    """
+    work = []
+    for part in range(len(tree)):
+        areas = [int(image.mask(part).sum()) if image.gives(part) else 0 for image in images]
+        least = max(LEAST_PIXELS, LEAST_SHARE * max(areas))
+        work += [(image, part) for image, area in zip(images, areas, strict=True) if area >= least]
+    aspects = {}
+    for done, (image, part) in enumerate(work):
+        progress(done / len(work), f"{tree.names[part]} in {image.name}")
+        try:
+            mask = completed(image.mask(part), image.silhouette)
+            aspects[image.name, part] = inflate(mask, params, tree.flatness[part])
+        except ValueError:  # too thin for a triangle: the other views alone tell of it
+            continue
+    return aspects
 
 
 def _largest_radius(mask: np.ndarray) -> float:

@@ -7,7 +7,7 @@ in the middle of what is left and scaled so that it just fills the outlines in t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +15,7 @@ import numpy as np
 from ipcli.geometry.orthographic import Orthographic
 from ipcli.geometry.voxels import FAR, Sight, hull
 from ipcli.measurements.part_images import PartImage, PartTree
-from ipcli.models.animal.aspects import LEAST_PIXELS, Aspect, completed, inflate
-from ipcli.models.animal.parameters import Inflation
+from ipcli.models.animal.aspects import completed
 
 OUTSIDE = np.float32(1e3)  # voxels
 ROUNDS = 2  # of carving: what is cut off one part uncovers others
@@ -81,29 +80,30 @@ def _carved(
 
 
 def rounded(
-    fields: Sequence[np.ndarray], shots: Sequence[Shot], tree: PartTree, params: Inflation
-) -> tuple[list[np.ndarray], list[Aspect | None]]:
-    """Each part's field made no thicker than its best aspect, and those aspects (None where there is no mask)."""
-    results, aspects = [], []
+    fields: Sequence[np.ndarray], shots: Sequence[Shot], heights: Mapping[tuple[str, int], np.ndarray]
+) -> list[np.ndarray]:
+    """Each part's field made no thicker than its best aspect.
+
+    `heights` has the half thickness (h, w) in pixels by name of image and part, as `aspects.lift_all` makes them.
+    """
+    directions = [shot.camera.direction for shot in shots]
+    results = []
     for part, field in enumerate(fields):
-        best = best_image(shots, part)
-        shot = shots[best] if best >= 0 else None
-        if shot is None or shot.image.mask(part).sum() < LEAST_PIXELS or not (field < 0).any():
+        lifted = [shot for shot in shots if (shot.image.name, part) in heights]
+        best = best_image(lifted, part) if lifted else -1
+        if best < 0 or not (field < 0).any():
             results.append(field)
-            aspects.append(None)
             continue
-        aspect = inflate(completed(shot.image.mask(part), shot.image.silhouette), params, tree.flatness[part])
-        directions = [s.camera.direction for s in shots]
-        results.append(np.maximum(field, thickness(field, shot, aspect, directions)))
-        aspects.append(aspect)
-    return results, aspects
+        shot = lifted[best]
+        results.append(np.maximum(field, thickness(field, shot, heights[shot.image.name, part], directions)))
+    return results
 
 
-def thickness(field: np.ndarray, shot: Shot, aspect: Aspect, directions: Sequence[np.ndarray]) -> np.ndarray:
+def thickness(field: np.ndarray, shot: Shot, heights: np.ndarray, directions: Sequence[np.ndarray]) -> np.ndarray:
     """A field (nx, ny, nz) that is negative where a point lies within the aspect, put in the middle of `field`."""
     sight = shot.sight
     middle, half = spans(field, sight)
-    height = sight.sample(aspect.picture / np.float32(sight.pixels), 0.0)
+    height = sight.sample(heights / np.float32(sight.pixels), 0.0)
     factor = fitting_factor(field, shot, height, half, directions)
     away = np.abs(sight.depth - middle.ravel()[sight.ray])
     return (away - factor * height).astype(np.float32)

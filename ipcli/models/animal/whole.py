@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from ipcli.geometry.orthographic import Orthographic
 from ipcli.geometry.voxels import Grid, Sight, hull
 from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal import rims
+from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.parameters import Modelling, Volume
 from ipcli.models.animal.parts import Shot, carve, rounded
 
@@ -35,11 +36,16 @@ def model(
     images: Sequence[PartImage], cameras: Sequence[Orthographic], tree: PartTree, params: Modelling
 ) -> Surface:
     """One surface from images of one pose with their cameras. NoSolution when the silhouettes have nothing in common."""
+    lifted = {key: aspect.picture for key, aspect in lift_all(images, tree, params.inflation).items()}
     grid = grid_of(images, cameras, params.volume.voxels)
-    shots = [Shot(image, camera, Sight.of(grid, camera)) for image, camera in zip(images, cameras, strict=True)]
+    shots = shots_of(images, cameras, grid)
     carved = carve(shots, tree)
-    fields, _ = rounded(carved, shots, tree, params.inflation)
-    return surface(fields, carved, shots, grid, params.volume)
+    return surface(rounded(carved, shots, lifted), carved, shots, grid, params.volume)
+
+
+def shots_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], grid: Grid) -> list[Shot]:
+    """The images with their cameras, ready to look into a grid."""
+    return [Shot(image, camera, Sight.of(grid, camera)) for image, camera in zip(images, cameras, strict=True)]
 
 
 def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels: int) -> Grid:
@@ -145,3 +151,33 @@ def seen_by(surface: Surface, images: Sequence[PartImage], cameras: Sequence[Ort
         column, row = np.clip(column, 0, shape[1] - 1), np.clip(row, 0, shape[0] - 1)
         count += camera.depth(vertices) <= depth[row, column] + slack
     return count
+
+
+def scaled(
+    surface: Surface, cameras: Sequence[Orthographic], size: float
+) -> tuple[Surface, list[Orthographic]]:
+    """The surface with its longest side `size` long and the middle of its box at the origin, and cameras that see it as
+    they did.
+    """
+    low, high = surface.vertices.min(axis=0).astype(np.float64), surface.vertices.max(axis=0).astype(np.float64)
+    middle, factor = (low + high) / 2, size / float((high - low).max())
+    moved = replace(
+        surface,
+        vertices=((surface.vertices - middle) * factor).astype(np.float32),
+        parts={k: (((v - middle) * factor).astype(np.float32), f) for k, (v, f) in surface.parts.items()},
+    )
+    return moved, [Orthographic(c.rotation, c.scale / factor, c.project(middle)) for c in cameras]
+
+
+def overlap(seen: np.ndarray, rendered: np.ndarray, parts: int) -> tuple[float, np.ndarray]:
+    """How far two label images (h, w) agree: pixels of one same part over pixels of any, and that of each part (parts,),
+    NaN where neither shows it.
+    """
+    either = (seen > 0) | (rendered > 0)
+    same = (seen == rendered) & either
+    each = np.full(parts, np.nan)
+    for part in range(parts):
+        union = (seen == part + 1) | (rendered == part + 1)
+        if union.any():
+            each[part] = (same & (seen == part + 1)).sum() / union.sum()
+    return float(same.sum() / max(int(either.sum()), 1)), each
