@@ -8,6 +8,7 @@ coordinate (the frontier points). Each pair of views gives two such equations, p
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,7 +23,7 @@ def align(silhouettes: Sequence[np.ndarray], rotations: Sequence[np.ndarray]) ->
 
     What no silhouette tells (the offset along the view of the first) is set to the smallest.
     """
-    outlines = [_outline(mask) for mask in silhouettes]
+    outlines = [outline_of(mask) for mask in silhouettes]
     middle = (outlines[0].min(axis=0) + outlines[0].max(axis=0)) / 2
     # world plane coordinates of camera i: a_i * pixel + b_i; unknowns (a, b_column, b_row) of all cameras but the first
     rows, right = [], []
@@ -44,7 +45,7 @@ def align(silhouettes: Sequence[np.ndarray], rotations: Sequence[np.ndarray]) ->
 
 def frontier_error(silhouettes: Sequence[np.ndarray], cameras: Sequence[Orthographic]) -> float:
     """Root mean square, in world units, by which silhouettes end at different coordinates along shared axes."""
-    outlines = [_outline(mask) for mask in silhouettes]
+    outlines = [outline_of(mask) for mask in silhouettes]
     errors = []
     for j in range(1, len(cameras)):
         for i in range(j):
@@ -54,7 +55,7 @@ def frontier_error(silhouettes: Sequence[np.ndarray], cameras: Sequence[Orthogra
     return float(np.sqrt(np.mean(np.square(errors)))) if errors else 0.0
 
 
-def _outline(mask: np.ndarray) -> np.ndarray:
+def outline_of(mask: np.ndarray) -> np.ndarray:
     """Convex hull (n, 2) of the pixels of a mask as (column, row)."""
     from scipy.spatial import ConvexHull, QhullError
 
@@ -93,3 +94,54 @@ def _equations(i, j, axis, rotations, outlines, middle):
             else:
                 row[3 * (k - 1) : 3 * k] += sign * np.array([e, *w])
         yield row, value
+
+
+BOX = 0.15  # weight of the model's own box against an end of a silhouette
+
+
+@dataclass(frozen=True, eq=False)
+class Outlines:
+    """Silhouettes of known cameras as points of the world on their image planes, to fit one more camera to."""
+
+    planes: tuple[np.ndarray, ...]  # (n, 2) each: in-plane world coordinates of an outline
+    rotations: tuple[np.ndarray, ...]
+    size: float  # of the largest outline
+
+    @classmethod
+    def of(cls, silhouettes: Sequence[np.ndarray], cameras: Sequence[Orthographic]) -> Outlines:
+        """Those of masks (h, w) and their cameras; of parallel views only the first counts."""
+        planes: list[np.ndarray] = []
+        rotations: list[np.ndarray] = []
+        for mask, camera in zip(silhouettes, cameras, strict=True):
+            if all(np.linalg.norm(np.cross(camera.rotation[2], r[2])) >= SHARED for r in rotations):
+                planes.append((outline_of(mask) - camera.shift) / camera.scale)
+                rotations.append(camera.rotation)
+        size = max(float(np.ptp(plane, axis=0).max()) for plane in planes)
+        return cls(tuple(planes), tuple(rotations), size)
+
+    def fit(self, outline: np.ndarray, rotation: np.ndarray, points: np.ndarray) -> tuple[Orthographic, float]:
+        """The camera with this rotation that fits an outline (n, 2) of `outline_of` best, and the root mean square error of the ends of silhouettes along
+        shared axes, in the world. The box of points (n, 3) of a model tells the rest where silhouettes do not.
+        """
+        rows, right, weights = [], [], []
+        for plane, other in zip(self.planes, self.rotations, strict=True):
+            for axis in _shared(other, rotation):
+                w = rotation[:2] @ axis
+                ends = np.sort(_ends(plane, other, axis))
+                rows += [[end, *w] for end in _ends(outline, rotation, axis)]
+                right += ends.tolist()
+                weights += [1.0, 1.0]
+        told = len(rows)
+        in_plane = points @ rotation[:2].T
+        for axis in range(2):
+            w = np.eye(2)[axis]
+            rows += [[end, *w] for end in (outline[:, axis].min(), outline[:, axis].max())]
+            right += [in_plane[:, axis].min(), in_plane[:, axis].max()]
+            weights += [BOX, BOX]
+        system, target, weight = np.array(rows), np.array(right), np.array(weights)
+        a, *b = np.linalg.lstsq(system * weight[:, None], target * weight, rcond=None)[0]
+        error = system[:told] @ [a, *b] - target[:told]
+        extent = float(np.ptp(outline, axis=0).max())
+        scale = 1 / a if a * extent > 1e-3 * self.size else extent / self.size
+        camera = Orthographic(rotation, float(scale), -scale * np.array(b))
+        return camera, float(np.sqrt(np.mean(error**2))) if told else 0.0
