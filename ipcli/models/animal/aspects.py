@@ -47,9 +47,11 @@ def inflate(mask: np.ndarray, params: Inflation, flatness: float = 1.0) -> Aspec
         heights = finite_elements.plate(points, triangles, lifting, bending, 1.0)
     else:
         heights = finite_elements.membrane(points, triangles, lifting)
-    heights = np.maximum(heights, 0.0)
-    heights = (np.sqrt(heights) if params.load == "sqrt-poisson" else heights) / flatness
-    return Aspect(points, triangles, heights, mask, _picture(points, heights, mask.shape))
+    lifted = np.maximum(heights, 0.0)
+    picture = _picture(points, lifted, mask.shape)
+    if params.load == "sqrt-poisson":  # between the points the membrane is interpolated: its root is steep at the rim
+        lifted, picture = np.sqrt(lifted), np.sqrt(picture)
+    return Aspect(points, triangles, lifted / flatness, mask, picture / np.float32(flatness))
 
 
 def lift_all(
