@@ -20,6 +20,9 @@ from ipcli.models.animal.aspects import completed
 OUTSIDE = np.float32(1e3)  # voxels
 ROUNDS = 2  # of carving: what is cut off one part uncovers others
 PARALLEL = np.cos(np.radians(25.0))  # of two views: closer ones say nothing of each other's depth
+ALONG = 0.96  # cosine of the angle between views that count as one direction
+SHOWN = 0.2  # of the largest area in which a part is seen: less does not tell its outline
+EVIDENCE = 0.05  # of a part's volume that must show itself to be asked for its thickness
 THINNEST, THICKEST = 0.3, 2.0  # times the aspect's own thickness
 
 
@@ -79,6 +82,29 @@ def _carved(
     return field
 
 
+def evident(shots: Sequence[Shot], part: int) -> np.ndarray:
+    """The field (nx, ny, nz) of where a part shows itself: within its own mask in some view of each direction.
+
+    Views along one line count as one direction, and a direction that shows little of the part counts not at all. What
+    is hidden is left out here: it has no outline that could tell how thick it is.
+    """
+    areas = [shot.image.mask(part).sum() / shot.camera.scale**2 for shot in shots]
+    groups: list[list[int]] = []
+    for k, shot in enumerate(shots):
+        direction = shot.camera.direction
+        same = [g for g in groups if abs(direction @ shots[g[0]].camera.direction) > ALONG]
+        if same:
+            same[0].append(k)
+        else:
+            groups.append([k])
+    shown = [g for g in groups if max(areas[k] for k in g) > SHOWN * max(areas)]
+    fields = [
+        np.minimum.reduce([shots[k].sight.silhouette_distance(shots[k].image.mask(part)) for k in group])
+        for group in shown
+    ]
+    return np.maximum.reduce(fields)
+
+
 def rounded(
     fields: Sequence[np.ndarray], shots: Sequence[Shot], heights: Mapping[tuple[str, int], np.ndarray]
 ) -> list[np.ndarray]:
@@ -95,7 +121,9 @@ def rounded(
             results.append(field)
             continue
         shot = lifted[best]
-        results.append(np.maximum(field, thickness(field, shot, heights[shot.image.name, part], directions)))
+        shown = np.maximum(field, evident(shots, part))
+        told = shown if (shown < 0).sum() > EVIDENCE * (field < 0).sum() else field
+        results.append(np.maximum(field, thickness(told, shot, heights[shot.image.name, part], directions)))
     return results
 
 
