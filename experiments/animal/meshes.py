@@ -117,3 +117,12 @@ def _parent(part: str, present: list[str]) -> int:
     while parent and parent not in present:
         parent = PARENTS[parent]
     return present.index(parent) if parent else -1
+
+
+def generated() -> Animal:
+    """A small four-legged animal of round limbs, for a quick look."""
+    from ipcli.models.animal.limbs import four_legged
+
+    vertices, faces, labels, tree = four_legged()
+    vertices = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    return Animal("generated", vertices / np.linalg.norm(np.ptp(vertices, axis=0)), faces, labels, tree)

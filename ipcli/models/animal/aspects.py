@@ -15,6 +15,7 @@ from ipcli.models.animal.parameters import Inflation
 
 LEAST_SHARE = 0.25  # of the pixels of a part in its largest mask
 LEAST_PIXELS = 12  # of a mask that can be triangulated
+CAP = 0.25  # of the length of a cut: how far a part is carried on across it
 CUT_MARGIN = 1  # pixels between two parts that still count as touching
 
 
@@ -101,7 +102,7 @@ def completed(own: np.ndarray, silhouette: np.ndarray) -> np.ndarray:
     """A part's mask with what other parts probably hide of it, (h, w) bool.
 
     Notches narrower than the part are closed, as far as other parts cover them. Across each edge that it shares with
-    another part a cap half as wide as the edge is added: the edge is a cut and no contour, and a surface that came
+    another part a cap a quarter as deep as the edge is long is added: the edge is a cut and no contour, and a surface that came
     down to it would pinch the joint.
     """
     if not own.any():
@@ -121,7 +122,7 @@ def _closed(own: np.ndarray) -> np.ndarray:
 
 
 def _caps(own: np.ndarray, hidden: np.ndarray) -> np.ndarray:
-    """Half discs over the cuts: pixels near the middle of a shared edge, within half its length."""
+    """Caps over the cuts: pixels within a share of the length of a shared edge."""
     from scipy.ndimage import binary_dilation, distance_transform_edt, label
 
     cut = own & binary_dilation(hidden, np.ones((3, 3)), CUT_MARGIN)
@@ -132,5 +133,5 @@ def _caps(own: np.ndarray, hidden: np.ndarray) -> np.ndarray:
         extent = max(np.ptp(rows), np.ptp(columns)) + 1
         if extent >= 3:
             away = distance_transform_edt(edges != edge)
-            caps |= away <= extent / 2
+            caps |= away <= CAP * extent
     return caps

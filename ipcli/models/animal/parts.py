@@ -22,7 +22,7 @@ ROUNDS = 2  # of carving: what is cut off one part uncovers others
 PARALLEL = np.cos(np.radians(25.0))  # of two views: closer ones say nothing of each other's depth
 ALONG = 0.96  # cosine of the angle between views that count as one direction
 SHOWN = 0.2  # of the largest area in which a part is seen: less does not tell its outline
-EVIDENCE = 0.05  # of a part's volume that must show itself to be asked for its thickness
+EVIDENCE = 30  # voxels of a part that must show themselves to be asked for its thickness
 THINNEST, THICKEST = 0.3, 2.0  # times the aspect's own thickness
 
 
@@ -122,7 +122,7 @@ def rounded(
             continue
         shot = lifted[best]
         shown = np.maximum(field, evident(shots, part))
-        told = shown if (shown < 0).sum() > EVIDENCE * (field < 0).sum() else field
+        told = shown if (shown < 0).sum() >= EVIDENCE else field
         results.append(np.maximum(field, thickness(told, shot, heights[shot.image.name, part], directions)))
     return results
 

@@ -17,6 +17,7 @@ from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.parameters import Modelling, Volume
 from ipcli.models.animal.parts import Shot, carve, rounded
 
+SLACK = 1.0  # voxels by which the flow may leave the union of the parts
 COARSE = 48  # points along each side of the grid that finds where the animal is
 
 
@@ -40,7 +41,7 @@ def model(
     grid = grid_of(images, cameras, params.volume.voxels)
     shots = shots_of(images, cameras, grid)
     carved = carve(shots, tree)
-    return surface(rounded(carved, shots, lifted), carved, shots, grid, params.volume)
+    return surface(rounded(carved, shots, lifted), shots, grid, params.volume)
 
 
 def shots_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], grid: Grid) -> list[Shot]:
@@ -84,13 +85,12 @@ def _shallow(low: np.ndarray, high: np.ndarray, image: PartImage, camera: Orthog
 
 def surface(
     fields: Sequence[np.ndarray],
-    carved: Sequence[np.ndarray],
     shots: Sequence[Shot],
     grid: Grid,
     params: Volume,
 ) -> Surface:
     """Merge the fields of all parts, round the whole, and mesh it and each part."""
-    phi = merged(fields, carved, shots, params)
+    phi = merged(fields, shots, params)
     solid = level_sets.largest(level_sets.fill(phi < 0))
     phi = np.where(solid, np.minimum(phi, -level_sets.LEAST), np.where(phi < 0, level_sets.LEAST, phi))
     vertices, faces = level_sets.mesh(phi, grid.spacing, grid.origin)
@@ -100,7 +100,7 @@ def surface(
 
 
 def merged(
-    fields: Sequence[np.ndarray], carved: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume
+    fields: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume
 ) -> np.ndarray:
     """The field of the whole, rounded as `params.merge` says."""
     union = np.minimum.reduce(list(fields)).astype(np.float32)
@@ -111,7 +111,7 @@ def merged(
     whole = np.maximum.reduce(outlines)
     wanted = [rims.wanted_depth(sight, rim) for sight, rim in zip(sights, outlines, strict=True)]
     covered = rims.keep_rims(union, whole, sights, wanted)
-    bound = np.maximum(whole, np.minimum(np.minimum.reduce(list(carved)), covered))
+    bound = np.maximum(whole, np.minimum(union, covered) - SLACK)
     return rims.round_off(union, bound, sights, outlines, params.steps)
 
 

@@ -146,7 +146,6 @@ def components_artefact(animal: Project, aspects: Path, params: Modelling, tell:
         | {
             "origin": grid.origin.astype(np.float64),
             "spacing": np.float64(grid.spacing),
-            "carved": np.clip(carved, -CLIP, CLIP).astype(np.float32),
             "fields": np.clip(fields, -CLIP, CLIP).astype(np.float32),
         }
         | _cameras(images, cameras)
@@ -171,7 +170,7 @@ def model_artefact(animal: Project, components: Path, params: Modelling, tell: T
     cameras = [Orthographic(rotation, scale, shift) for rotation, scale, shift in rows]
     shots = whole.shots_of(images, cameras, grid)
     tell(0.1, "merging and rounding")
-    surface = whole.surface(arrays["fields"], arrays["carved"], shots, grid, params.volume)
+    surface = whole.surface(arrays["fields"], shots, grid, params.volume)
     surface, cameras = whole.scaled(surface, cameras, animal.size)
     tell(0.7, "looking at it")
     shown, pictures = _looked_at(surface, images, cameras, len(animal.tree))

@@ -107,11 +107,11 @@ def test_a_notch_that_another_part_covers_is_closed_and_a_free_one_is_not():
     assert not filled[150:, 90:104].any()  # the leg itself stays the leg's
 
 
-def test_a_cut_gets_a_cap_half_as_wide_as_it_is():
+def test_a_cut_gets_a_cap_a_quarter_as_deep_as_it_is_long():
     silhouette = strip(half=12)
     own = silhouette.copy()
     own[:, 100:] = False
     added = completed(own, silhouette) & ~own
     columns = np.nonzero(added.any(axis=0))[0]
     assert columns.min() == 100
-    assert columns.max() == pytest.approx(100 + 12, abs=2)
+    assert columns.max() == pytest.approx(100 + 6, abs=2)
