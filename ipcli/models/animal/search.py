@@ -26,18 +26,18 @@ TURN = np.radians(6.0)  # first step of a refinement
 
 
 @dataclass(frozen=True, eq=False)
-class Cloud:
+class LabelledPoints:
     """Points (n, 3) on a model's surface and the part + 1 (n,) of each."""
 
     points: np.ndarray
     labels: np.ndarray
 
 
-def find_camera(image: PartImage, cloud: Cloud, known: Outlines) -> tuple[Orthographic, float]:
+def find_camera(image: PartImage, cloud: LabelledPoints, known: Outlines) -> tuple[Orthographic, float]:
     """The camera of an image that sees the cloud as the image shows it, and their overlap in [0, 1]."""
-    coarse, fine = Cells.of(image, COARSE), Cells.of(image, FINE)
+    coarse, fine = LabelCells.of(image, COARSE), LabelCells.of(image, FINE)
     outline = outline_of(image.silhouette)
-    few = Cloud(cloud.points[::3], cloud.labels[::3])
+    few = LabelledPoints(cloud.points[::3], cloud.labels[::3])
     rotations = _rotations()
     scores = np.array([_score(rotation, outline, few, known, coarse) for rotation in rotations])
     best = np.argsort(-scores)[:KEPT]
@@ -71,13 +71,13 @@ def _apart(order: np.ndarray, rotations: np.ndarray) -> list[int]:
     return chosen
 
 
-def _score(rotation: np.ndarray, outline: np.ndarray, cloud: Cloud, known: Outlines, cells: Cells) -> float:
+def _score(rotation: np.ndarray, outline: np.ndarray, cloud: LabelledPoints, known: Outlines, cells: LabelCells) -> float:
     camera, error = known.fit(outline, rotation, cloud.points)
     return cells.overlap(camera, cloud) - FRONTIER * error / known.size
 
 
 def _refined(
-    rotation: np.ndarray, outline: np.ndarray, cloud: Cloud, known: Outlines, cells: Cells
+    rotation: np.ndarray, outline: np.ndarray, cloud: LabelledPoints, known: Outlines, cells: LabelCells
 ) -> tuple[np.ndarray, float]:
     from scipy.optimize import minimize
     from scipy.spatial.transform import Rotation
@@ -93,22 +93,22 @@ def _refined(
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class LabelCells:
     """An image's labels on a coarse grid of cells, to be compared with points that are splatted on it."""
 
     labels: np.ndarray  # (rows, columns)
     pixels: float  # side of a cell
 
     @classmethod
-    def of(cls, image: PartImage, count: int) -> Cells:
+    def of(cls, image: PartImage, count: int) -> LabelCells:
         """So many cells along the longer side."""
         pixels = max(image.labels.shape) / count
         rows, columns = (np.arange(int(np.ceil(n / pixels))) for n in image.labels.shape)
         at = [np.minimum(((k + 0.5) * pixels).astype(int), n - 1) for k, n in zip((rows, columns), image.labels.shape, strict=True)]
         return cls(image.labels[at[0][:, None], at[1]], pixels)
 
-    def overlap(self, camera: Orthographic, cloud: Cloud) -> float:
-        """Cells whose label is that of the nearest point, over cells in which either shows something."""
+    def overlap(self, camera: Orthographic, cloud: LabelledPoints) -> float:
+        """LabelCells whose label is that of the nearest point, over cells in which either shows something."""
         column, row = np.floor((camera.project(cloud.points) + 0.5) / self.pixels).astype(np.int32).T
         inside = (row >= 0) & (row < self.labels.shape[0]) & (column >= 0) & (column < self.labels.shape[1])
         farthest_first = np.argsort(-camera.depth(cloud.points)[inside])
@@ -119,9 +119,9 @@ class Cells:
         return float(((drawn == self.labels) & either).sum() / (either.sum() + lost))
 
 
-def cloud_of(vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray) -> Cloud:
+def cloud_of(vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray) -> LabelledPoints:
     """The middles of a mesh's faces."""
-    return Cloud(vertices[faces].mean(axis=1).astype(np.float64), (face_part + 1).astype(np.int16))
+    return LabelledPoints(vertices[faces].mean(axis=1).astype(np.float64), (face_part + 1).astype(np.int16))
 
 
 def known_outlines(images: Sequence[PartImage], cameras: Sequence[Orthographic]) -> Outlines:

@@ -17,6 +17,7 @@ from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.parameters import Modelling, Volume
 from ipcli.models.animal.parts import Shot, carve, rounded
 
+MAJORITY = 3  # times that a face takes the part of most of its neighbours
 SLACK = 1.0  # voxels by which the flow may leave the union of the parts
 COARSE = 48  # points along each side of the grid that finds where the animal is
 
@@ -95,7 +96,8 @@ def surface(
     phi = np.where(solid, np.minimum(phi, -level_sets.LEAST), np.where(phi < 0, level_sets.LEAST, phi))
     vertices, faces = level_sets.mesh(phi, grid.spacing, grid.origin)
     vertices = vertices.astype(np.float32)
-    labels = labels_at(fields, grid, vertices[faces].mean(axis=1))
+    guessed = labels_at(fields, grid, vertices[faces].mean(axis=1))
+    labels = voted_labels(vertices.astype(np.float64), faces, guessed, shots, len(fields))
     return Surface(vertices, faces.astype(np.int32), labels, closed_parts(fields, phi, grid))
 
 
@@ -122,6 +124,32 @@ def labels_at(fields: Sequence[np.ndarray], grid: Grid, points: np.ndarray) -> n
     at = ((points - grid.origin) / grid.spacing).T
     values = [map_coordinates(np.asarray(f, np.float32), at, order=1, mode="nearest") for f in fields]
     return np.argmin(values, axis=0).astype(np.int16)
+
+
+def voted_labels(
+    vertices: np.ndarray, faces: np.ndarray, guessed: np.ndarray, shots: Sequence[Shot], parts: int
+) -> np.ndarray:
+    """The part (m,) int16 of each face: the one that most pixels of the images show there, and `guessed` where no image
+    looks; then that of the majority of a face and its three neighbours, so that borders do not fray.
+    """
+    from scipy.sparse import coo_array
+
+    from ipcli.geometry.part_masks import first_faces
+
+    votes = np.zeros((len(faces), parts))
+    for shot in shots:
+        labels = shot.image.labels
+        met, _ = first_faces(vertices, faces, shot.camera, labels.shape)
+        told = (met >= 0) & (labels > 0)
+        np.add.at(votes, (met[told], labels[told] - 1), 1.0)
+    part = np.where(votes.any(axis=1), np.argmax(votes, axis=1), guessed)
+    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    _, edge = np.unique(edges, axis=0, return_inverse=True)
+    touching = coo_array((np.ones(len(edge)), (np.repeat(np.arange(len(faces)), 3), edge.reshape(-1)))).tocsr()
+    for _ in range(MAJORITY):
+        shares = touching @ (touching.T @ np.eye(parts)[part])
+        part = np.argmax(shares + 0.5 * np.eye(parts)[part], axis=1)
+    return part.astype(np.int16)
 
 
 def closed_parts(fields: Sequence[np.ndarray], whole: np.ndarray, grid: Grid) -> dict[int, tuple[np.ndarray, np.ndarray]]:
