@@ -64,7 +64,10 @@ def trials(given: argparse.Namespace) -> list[dict]:
 def rows_of(results: list[dict]) -> list[dict]:
     """Means over the animals for each set of views and method, development animals apart."""
     rows = []
-    groups = {"development": [r for r in results if r["development"]], "others": [r for r in results if not r["development"]]}
+    groups = {
+        "development": [r for r in results if r["development"]],
+        "others": [r for r in results if not r["development"]],
+    }
     for group, members in groups.items():
         for views in members[0]["sets"] if members else ():
             for method in members[0]["sets"][views]["methods"]:
@@ -87,7 +90,9 @@ def bars_of(results: list[dict]) -> list[tuple[str, str, str, str, str]]:
             mean = result["sets"]["two silhouettes"]["methods"]["ours"]["mean"]
             found.append((f"mean distance, {name}", f"{mean:.4f}", "0.0095", "", _verdict(mean, 0.0095, 0.0095)))
     seconds = float(np.max([result["sets"][views]["seconds"] for result in results for views in BARS]))
-    found.append(("seconds a model, worst", f"{seconds:.1f}", f"{SECONDS[0]:g}", f"{SECONDS[1]:g}", _verdict(seconds, *SECONDS)))
+    found.append(
+        ("seconds a model, worst", f"{seconds:.1f}", f"{SECONDS[0]:g}", f"{SECONDS[1]:g}", _verdict(seconds, *SECONDS))
+    )
     angles = [a for result in judged for one in result["sets"].values() for a in one["searched"].values()]
     if angles:
         share = float(np.mean(np.array(angles) <= DEGREES[0]))
@@ -122,14 +127,17 @@ def page(results: list[dict], is_quick: bool) -> str:
     lead = (
         "Distances over the diagonal of the truth's box: mean and root mean square of both directions, the larger 95 % "
         "and largest; outside: share of the united volume that only one body has. Masks are rendered with occlusion at "
-        f"{trial.LONGEST} pixels; left, right, front and back give two silhouettes. Scales and shifts of all cameras are "
+        f"{trial.LONGEST} pixels; left, right, front and back give two silhouettes. Scales and shifts of cameras are "
         "estimated from the masks; the three-quarter view has no name and is searched."
     )
-    quick = "A quick look at one generated animal: it shows that everything runs, not how good it is. " if is_quick else ""
+    quick = (
+        "A quick look at one generated animal: it shows that everything runs, not how good it is. " if is_quick else ""
+    )
     return document(
         "Animals from part masks",
         "thesis chapter 6, tables 6.1 and 6.2",
-        quick + "Ground truth: Princeton segmentation benchmark (four-legged) and TOSCA; the thesis' own meshes are not "
+        quick
+        + "Ground truth: Princeton segmentation benchmark (four-legged) and TOSCA; the thesis' own meshes are not "
         "to be had, nor are a kangaroo and a hippo. Its user study (figures 6.8, 6.9, table 6.3) is out of scope.",
         section("Bars", table(("measure", "found", "bar", "goal", ""), bars_of(results))),
         section("Methods", table(keys, cells), lead=lead),
@@ -154,7 +162,9 @@ def main() -> None:
     writer.writeheader()
     writer.writerows(rows)
     atomic.write_text(given.out.with_suffix(".csv"), text.getvalue())
-    atomic.write_text(given.out.with_suffix(".json"), json.dumps({"rows": rows, "bars": bars_of(results)}, indent=1) + "\n")
+    atomic.write_text(
+        given.out.with_suffix(".json"), json.dumps({"rows": rows, "bars": bars_of(results)}, indent=1) + "\n"
+    )
     atomic.write_text(given.out, page(results, given.quick))
     print(given.out)
 

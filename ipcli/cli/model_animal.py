@@ -13,9 +13,7 @@ from ipcli.stages.animal.parameters import ModelAnimal
 
 @click.command("model-animal")
 @click.argument("words", nargs=-1, required=True, metavar="PROJECT.toml | check MESH...")
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), help="Model to write: X.glb, X.ply, X.obj or X.stl."
-)
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Model to write: X.glb, X.ply, X.obj or X.stl.")
 @options.parameters(ModelAnimal)
 @options.common
 def main(words: tuple[str, ...], output: Path | None, params: ModelAnimal, run: Run) -> None:

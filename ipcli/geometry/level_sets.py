@@ -94,7 +94,7 @@ def _feet(phi: np.ndarray, inside: np.ndarray) -> np.ndarray:
 def mesh(phi: np.ndarray, spacing: float = 1.0, origin: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
     """The zero set as a closed mesh: vertices (n, 3) float64 and faces (m, 3) int64, looking outwards.
 
-    It is closed even where it leaves the grid. Grid point (0, 0, 0) lies at `origin`. ValueError when nothing is inside.
+    It is closed even where it leaves the grid. Grid point (0, 0, 0) lies at `origin`. ValueError if nothing is inside.
     """
     from skimage.measure import marching_cubes
 

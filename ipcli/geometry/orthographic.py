@@ -1,7 +1,7 @@
 """Orthographic cameras with a scale, and the views of an animal that have a name.
 
-World axes are those of the animal: x forward, y to its left, z up. Camera axes: x right and y down in the image, z along
-the view direction. A world point X falls on the pixel (column, row) = scale * (R X)[:2] + shift.
+World axes are those of the animal: x forward, y to its left, z up. Camera axes: x right and y down in the image, z
+along the view direction. A world point X falls on the pixel (column, row) = scale * (R X)[:2] + shift.
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ class Grid:
 def signed_distance(mask: np.ndarray) -> np.ndarray:
     """Distance (h, w) float32 in pixels to the rim of a mask, negative inside; the rim runs between the pixels.
 
-    Smooth masks give steps of half a pixel at most; beyond the image counts as outside. An empty mask is far everywhere.
+    Smooth masks give steps of half a pixel at most; beyond the image counts as outside. An empty mask is far.
     """
     from scipy.ndimage import distance_transform_edt
 

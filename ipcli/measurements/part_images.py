@@ -100,4 +100,6 @@ def oddities(images: Sequence[PartImage], tree: PartTree) -> list[str]:
             if mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any():
                 found.append(f"{where}: touches the border of the image, so its outline may be cut")
     shown = {part for image in images if image.is_reference for part in range(len(tree)) if image.mask(part).any()}
-    return found + [f"{tree.names[p]}: no image of the reference pose shows it" for p in range(len(tree)) if p not in shown]
+    return found + [
+        f"{tree.names[p]}: no image of the reference pose shows it" for p in range(len(tree)) if p not in shown
+    ]

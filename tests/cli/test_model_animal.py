@@ -16,7 +16,9 @@ QUICK = ("--voxels", "40", "--set", "modelling.inflation.triangles=200")
 def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("animal")
     source = limbs.write_project(folder / "in")
-    assert main(["model-animal", str(source), "-o", str(folder / "a.glb"), *QUICK, "--separate-parts", "stl", "-q"]) == 0
+    assert (
+        main(["model-animal", str(source), "-o", str(folder / "a.glb"), *QUICK, "--separate-parts", "stl", "-q"]) == 0
+    )
     return folder, source
 
 
@@ -30,7 +32,9 @@ def test_everything_is_written_and_closed(made):
     arrays = h5.read(folder / "a.h5", "animal-model").arrays
     assert set(arrays["face_part"].tolist()) == {0, 1, 2, 3}
     assert arrays["overlaps"].min() > 0.85
-    assert float((arrays["vertices"].max(axis=0) - arrays["vertices"].min(axis=0)).max()) == pytest.approx(2.0, rel=1e-4)
+    assert float((arrays["vertices"].max(axis=0) - arrays["vertices"].min(axis=0)).max()) == pytest.approx(
+        2.0, rel=1e-4
+    )
 
 
 def test_a_second_run_is_up_to_date(made, caplog):

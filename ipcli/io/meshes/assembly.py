@@ -89,8 +89,9 @@ def lighter(
     vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray, most_faces: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A mesh of about so many faces; each takes the part of the nearest face it had."""
-    from ipcli.geometry import open3d
     from scipy.spatial import cKDTree
+
+    from ipcli.geometry import open3d
 
     o3d = open3d.load()
     mesh = o3d.geometry.TriangleMesh(

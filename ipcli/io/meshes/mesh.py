@@ -58,12 +58,16 @@ def read_joined(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """
     path = Path(path)
     if path.suffix.lower() not in JOINED:
-        raise FormatError(path, "not a mesh", expected=" ".join(JOINED), got=path.suffix or "no suffix", fix="Convert it")
+        raise FormatError(
+            path, "not a mesh", expected=" ".join(JOINED), got=path.suffix or "no suffix", fix="Convert it"
+        )
     if not path.is_file() or path.stat().st_size > MOST_BYTES:
         raise FormatError(path, "no file, or too large", expected=f"at most {MOST_BYTES} bytes", fix="Check the path")
     vertices, faces = _parse(path)
     if not len(faces) or not np.isfinite(vertices).all():
-        raise FormatError(path, "holds no triangles, or vertices that are not finite", fix="Check that the file is whole")
+        raise FormatError(
+            path, "holds no triangles, or vertices that are not finite", fix="Check that the file is whole"
+        )
     _, first, joined = np.unique(vertices, axis=0, return_index=True, return_inverse=True)
     faces = joined.reshape(-1)[faces]
     a, b, c = faces.T

@@ -47,7 +47,9 @@ def read_index(path: Path, names: Sequence[str]) -> Masks:
     indices = _indices(path)
     if indices.max(initial=0) > len(names):
         fix = "Add `labels` to this image in the project: the names of the values from 1 on"
-        raise FormatError(path, "a value without a name", expected=f"0 to {len(names)}", got=int(indices.max()), fix=fix)
+        raise FormatError(
+            path, "a value without a name", expected=f"0 to {len(names)}", got=int(indices.max()), fix=fix
+        )
     return Masks(tuple(names), indices.astype(np.int16))
 
 

@@ -1,24 +1,24 @@
 """The project of an animal, a short TOML file: its parts, and which image shows what.
 
-    name = "giraffe"
-    size = 1.0                      # longest side of the model, in your unit
+name = "giraffe"
+size = 1.0                      # longest side of the model, in your unit
 
-    [parts]                         # part = parent; the root has ""
-    torso = ""
-    head = "torso"
+[parts]                         # part = parent; the root has ""
+torso = ""
+head = "torso"
 
-    [flatness]                      # optional: above 1 flatter than round
-    head = 1.2
+[flatness]                      # optional: above 1 flatter than round
+head = 1.2
 
-    [[images]]
-    masks = "left.png"              # index PNG, folder of one PNG a part, LabelMe .json or PASCAL-Part .mat
-    view = "left"                   # left right front back top bottom; leave it out when it is not known
-    # labels = ["torso", "head"]    # what the values 1, 2, ... of an index PNG mean; the order of [parts] if not given
-    # picture = "left.jpg"          # shown on the page
-    # pose = "other"                # not in the reference pose: gives shape, not place
-    # aspects = ["head"]            # parts that take their shape from here; all if not given
-    # rename = { lfleg = "leg" }    # names in the masks -> names of parts; "" drops a part
-    # object = 0                    # number of the object in a PASCAL-Part file
+[[images]]
+masks = "left.png"              # index PNG, folder of one PNG a part, LabelMe .json or PASCAL-Part .mat
+view = "left"                   # left right front back top bottom; leave it out when it is not known
+# labels = ["torso", "head"]    # what the values 1, 2, ... of an index PNG mean; the order of [parts] if not given
+# picture = "left.jpg"          # shown on the page
+# pose = "other"                # not in the reference pose: gives shape, not place
+# aspects = ["head"]            # parts that take their shape from here; all if not given
+# rename = { lfleg = "leg" }    # names in the masks -> names of parts; "" drops a part
+# object = 0                    # number of the object in a PASCAL-Part file
 """
 
 from __future__ import annotations
@@ -148,9 +148,7 @@ def _image(path: Path, entry: Mapping[str, Any], tree: PartTree, number: int) ->
     return image, [source, *shown]
 
 
-def _renamed(
-    path: Path, source: Path, found: masks.Masks, rename: Mapping[str, Any], tree: PartTree
-) -> np.ndarray:
+def _renamed(path: Path, source: Path, found: masks.Masks, rename: Mapping[str, Any], tree: PartTree) -> np.ndarray:
     """Labels of a file as numbers of the tree's parts."""
     table = np.zeros(len(found.names) + 1, np.int16)
     present = set(np.unique(found.labels).tolist())

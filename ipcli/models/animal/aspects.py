@@ -102,8 +102,8 @@ def completed(own: np.ndarray, silhouette: np.ndarray) -> np.ndarray:
     """A part's mask with what other parts probably hide of it, (h, w) bool.
 
     Notches narrower than the part are closed, as far as other parts cover them. Across each edge that it shares with
-    another part a cap a quarter as deep as the edge is long is added: the edge is a cut and no contour, and a surface that came
-    down to it would pinch the joint.
+    another part a cap a quarter as deep as the edge is long is added: the edge is a cut and no contour, and a surface
+    that came down to it would pinch the joint.
     """
     if not own.any():
         return own

@@ -37,9 +37,7 @@ def whole_mask(image: PartImage, camera: Orthographic, params: Inflation) -> Mes
     return camera.lift(vertices[:, :2], vertices[:, 2] / camera.scale), faces
 
 
-def as_printed(
-    images: Sequence[PartImage], cameras: Sequence[Orthographic], tree: PartTree, params: Modelling
-) -> Mesh:
+def as_printed(images: Sequence[PartImage], cameras: Sequence[Orthographic], tree: PartTree, params: Modelling) -> Mesh:
     """The thesis' steps: load (6.4) as printed, the union of all aspects of each part and of all parts, smoothed.
 
     Aspects are put where the images see them, in the middle of what the labels allow, which is kinder than (6.10).

@@ -50,7 +50,10 @@ def frontier_error(silhouettes: Sequence[np.ndarray], cameras: Sequence[Orthogra
     for j in range(1, len(cameras)):
         for i in range(j):
             for axis in _shared(cameras[i].rotation, cameras[j].rotation):
-                ends = [_ends((outlines[k] - c.shift) / c.scale, c.rotation, axis) for k, c in ((i, cameras[i]), (j, cameras[j]))]
+                ends = [
+                    _ends((outlines[k] - c.shift) / c.scale, c.rotation, axis)
+                    for k, c in ((i, cameras[i]), (j, cameras[j]))
+                ]
                 errors.extend(np.subtract(*ends))
     return float(np.sqrt(np.mean(np.square(errors)))) if errors else 0.0
 
@@ -120,8 +123,8 @@ class Outlines:
         return cls(tuple(planes), tuple(rotations), size)
 
     def fit(self, outline: np.ndarray, rotation: np.ndarray, points: np.ndarray) -> tuple[Orthographic, float]:
-        """The camera with this rotation that fits an outline (n, 2) of `outline_of` best, and the root mean square error of the ends of silhouettes along
-        shared axes, in the world. The box of points (n, 3) of a model tells the rest where silhouettes do not.
+        """The camera with this rotation that fits an outline (n, 2) of `outline_of` best, and the root mean square error
+        of the ends of silhouettes along shared axes, in the world. The box of points (n, 3) of a model tells the rest where silhouettes do not.
         """
         rows, right, weights = [], [], []
         for plane, other in zip(self.planes, self.rotations, strict=True):

@@ -56,7 +56,9 @@ def _rotations() -> np.ndarray:
         right = np.cross(direction, [0.0, 0.0, 1.0])
         right = right / np.linalg.norm(right)
         down = np.cross(direction, right)
-        found += [[np.cos(t) * right + np.sin(t) * down, np.cos(t) * down - np.sin(t) * right, direction] for t in turns]
+        found += [
+            [np.cos(t) * right + np.sin(t) * down, np.cos(t) * down - np.sin(t) * right, direction] for t in turns
+        ]
     return np.array(found)
 
 
@@ -71,7 +73,9 @@ def _apart(order: np.ndarray, rotations: np.ndarray) -> list[int]:
     return chosen
 
 
-def _score(rotation: np.ndarray, outline: np.ndarray, cloud: LabelledPoints, known: Outlines, cells: LabelCells) -> float:
+def _score(
+    rotation: np.ndarray, outline: np.ndarray, cloud: LabelledPoints, known: Outlines, cells: LabelCells
+) -> float:
     camera, error = known.fit(outline, rotation, cloud.points)
     return cells.overlap(camera, cloud) - FRONTIER * error / known.size
 
@@ -104,7 +108,10 @@ class LabelCells:
         """So many cells along the longer side."""
         pixels = max(image.labels.shape) / count
         rows, columns = (np.arange(int(np.ceil(n / pixels))) for n in image.labels.shape)
-        at = [np.minimum(((k + 0.5) * pixels).astype(int), n - 1) for k, n in zip((rows, columns), image.labels.shape, strict=True)]
+        at = [
+            np.minimum(((k + 0.5) * pixels).astype(int), n - 1)
+            for k, n in zip((rows, columns), image.labels.shape, strict=True)
+        ]
         return cls(image.labels[at[0][:, None], at[1]], pixels)
 
     def overlap(self, camera: Orthographic, cloud: LabelledPoints) -> float:

@@ -24,8 +24,8 @@ COARSE = 48  # points along each side of the grid that finds where the animal is
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A closed mesh: vertices (n, 3) float32, faces (m, 3) int32, the part of each face (m,) int16, and closed meshes of
-    the single parts by index.
+    """A closed mesh: vertices (n, 3) float32, faces (m, 3) int32, the part of each face (m,) int16, and closed meshes
+    of the single parts by index.
     """
 
     vertices: np.ndarray
@@ -34,10 +34,8 @@ class Surface:
     parts: dict[int, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
-def model(
-    images: Sequence[PartImage], cameras: Sequence[Orthographic], tree: PartTree, params: Modelling
-) -> Surface:
-    """One surface from images of one pose with their cameras. NoSolution when the silhouettes have nothing in common."""
+def model(images: Sequence[PartImage], cameras: Sequence[Orthographic], tree: PartTree, params: Modelling) -> Surface:
+    """One surface from images of one pose with their cameras. NoSolution if the silhouettes have nothing in common."""
     lifted = {key: aspect.picture for key, aspect in lift_all(images, tree, params.inflation).items()}
     grid = grid_of(images, cameras, params.volume.voxels)
     shots = shots_of(images, cameras, grid)
@@ -62,7 +60,9 @@ def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels
     field = hull([Sight.of(rough, c) for c in cameras], [i.silhouette for i in images])
     inside = np.argwhere(field < 1.0)
     if not len(inside):
-        raise NoSolution("the silhouettes have nothing in common: check the names of the views and that all show one pose")
+        raise NoSolution(
+            "the silhouettes have nothing in common: check the names of the views and that all show one pose"
+        )
     low = rough.origin + rough.spacing * (inside.min(axis=0) - 1)
     high = rough.origin + rough.spacing * (inside.max(axis=0) + 1)
     if single:
@@ -75,7 +75,9 @@ def _middle(mask: np.ndarray) -> np.ndarray:
     return np.array([columns.min() + columns.max(), rows.min() + rows.max()]) / 2
 
 
-def _shallow(low: np.ndarray, high: np.ndarray, image: PartImage, camera: Orthographic) -> tuple[np.ndarray, np.ndarray]:
+def _shallow(
+    low: np.ndarray, high: np.ndarray, image: PartImage, camera: Orthographic
+) -> tuple[np.ndarray, np.ndarray]:
     """The box cut, along the view, to the shorter side of the silhouette."""
     rows, columns = np.nonzero(image.silhouette)
     depth = min(np.ptp(rows), np.ptp(columns)) / camera.scale
@@ -101,9 +103,7 @@ def surface(
     return Surface(vertices, faces.astype(np.int32), labels, closed_parts(fields, phi, grid))
 
 
-def merged(
-    fields: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume
-) -> np.ndarray:
+def merged(fields: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume) -> np.ndarray:
     """The field of the whole, rounded as `params.merge` says."""
     union = np.minimum.reduce(list(fields)).astype(np.float32)
     if params.merge != "hull":
@@ -152,15 +152,19 @@ def voted_labels(
     return part.astype(np.int16)
 
 
-def closed_parts(fields: Sequence[np.ndarray], whole: np.ndarray, grid: Grid) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+def closed_parts(
+    fields: Sequence[np.ndarray], whole: np.ndarray, grid: Grid
+) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """A closed mesh of each part inside the whole; parts that came out empty are left out."""
     meshes = {}
-    for part, field in enumerate(fields):
-        phi = np.maximum(field, whole)
+    for part, own in enumerate(fields):
+        phi = np.maximum(own, whole)
         if not (phi < 0).any():
             continue
         solid = level_sets.largest(phi < 0)
-        vertices, faces = level_sets.mesh(np.where(solid, phi, np.maximum(phi, level_sets.LEAST)), grid.spacing, grid.origin)
+        vertices, faces = level_sets.mesh(
+            np.where(solid, phi, np.maximum(phi, level_sets.LEAST)), grid.spacing, grid.origin
+        )
         meshes[part] = (vertices.astype(np.float32), faces.astype(np.int32))
     return meshes
 
@@ -181,9 +185,7 @@ def seen_by(surface: Surface, images: Sequence[PartImage], cameras: Sequence[Ort
     return count
 
 
-def scaled(
-    surface: Surface, cameras: Sequence[Orthographic], size: float
-) -> tuple[Surface, list[Orthographic]]:
+def scaled(surface: Surface, cameras: Sequence[Orthographic], size: float) -> tuple[Surface, list[Orthographic]]:
     """The surface with its longest side `size` long and the middle of its box at the origin, and cameras that see it as
     they did.
     """
@@ -198,8 +200,8 @@ def scaled(
 
 
 def overlap(seen: np.ndarray, rendered: np.ndarray, parts: int) -> tuple[float, np.ndarray]:
-    """How far two label images (h, w) agree: pixels of one same part over pixels of any, and that of each part (parts,),
-    NaN where neither shows it.
+    """How far two label images (h, w) agree: pixels of one same part over pixels of any, and that of each part
+    (parts,), NaN where neither shows it.
     """
     either = (seen > 0) | (rendered > 0)
     same = (seen == rendered) & either

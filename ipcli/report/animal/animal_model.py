@@ -48,14 +48,14 @@ def _turning(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object],
     colours = surfaces.colours_of(arrays["face_part"])
     longest = min(LONGEST, widest)
     shots = surfaces.turntable(arrays["vertices"].astype(np.float64), arrays["faces"], colours, AROUND, longest)
-    shown = [
-        figure(photograph(shot, widest), f"{(45 + 360 * k // AROUND) % 360}°") for k, shot in enumerate(shots)
-    ]
+    shown = [figure(photograph(shot, widest), f"{(45 + 360 * k // AROUND) % 360}°") for k, shot in enumerate(shots)]
     aspect = shots[0].shape[1] / shots[0].shape[0]
     stem = PurePath(str(provenance.get("output", ""))).stem
     link = element("p", element("a", "Turn the model", href=f"{stem}.turn.html")) if stem else join()
     lead = "From around, 15° from above; 0° is in front of the animal, 90° to its left."
-    return section("The model", link, gallery(*shown, columns=columns_for(aspect, AROUND, small=True)), _legend(arrays), lead=lead)
+    return section(
+        "The model", link, gallery(*shown, columns=columns_for(aspect, AROUND, small=True)), _legend(arrays), lead=lead
+    )
 
 
 def _legend(arrays: Mapping[str, np.ndarray]) -> Markup:
@@ -70,9 +70,7 @@ def _images(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
     shown = []
     for number, name in enumerate(arrays["images"].tolist()):
         stem = f"pictures/{number:03d}"
-        drawn = surfaces.overlay(
-            arrays[f"{stem}/labels"], arrays[f"{stem}/rendered"], arrays.get(f"{stem}/picture")
-        )
+        drawn = surfaces.overlay(arrays[f"{stem}/labels"], arrays[f"{stem}/rendered"], arrays.get(f"{stem}/picture"))
         view = str(arrays["views"][number]) or "view found from the masks"
         note = f"{view}; {percent(float(arrays['overlaps'][number]))} of the pixels agree"
         shown.append(figure(photograph(drawn, widest), name, note))

@@ -43,11 +43,11 @@ def shaded(
     return np.clip(painted, 0, 255).astype(np.uint8)
 
 
-def turntable(vertices: np.ndarray, faces: np.ndarray, colours: np.ndarray, count: int, longest: int) -> list[np.ndarray]:
+def turntable(
+    vertices: np.ndarray, faces: np.ndarray, colours: np.ndarray, count: int, longest: int
+) -> list[np.ndarray]:
     """Pictures from `count` places around, a little from above; all of one size."""
-    pictures = [
-        shaded(vertices, faces, colours, looking(45 + 360 * k / count, 15.0), longest) for k in range(count)
-    ]
+    pictures = [shaded(vertices, faces, colours, looking(45 + 360 * k / count, 15.0), longest) for k in range(count)]
     height, width = (max(picture.shape[axis] for picture in pictures) for axis in (0, 1))
     return [_centred(picture, height, width) for picture in pictures]
 

@@ -74,7 +74,8 @@ def run(
         return aspects, done
     placing = Placing(params.modelling.volume.voxels)
     done = _make(Job(components, "animal-components", "model-animal", placing, (*animal.files, aspects)),
-                 partial(components_artefact, animal, aspects, params.modelling, _part(progress, 0.3, 0.7)), run)  # fmt: skip
+                 partial(components_artefact, animal, aspects, params.modelling, _part(progress, 0.3, 0.7)),
+                 run)  # fmt: skip
     if params.stop_after == "components":
         return components, done
     job = Job(artefact, "animal-model", "model-animal", params, (*animal.files, components), beside)

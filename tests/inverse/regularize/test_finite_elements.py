@@ -90,7 +90,9 @@ def test_the_stiffness_is_turned_with_the_mask(rim):
 
 def test_twice_the_load_is_twice_the_height():
     points, triangles = disc(0.2)
-    assert fe.membrane(points, triangles, lambda x: 2 * one(x)) == pytest.approx(2 * fe.membrane(points, triangles, one))
+    assert fe.membrane(points, triangles, lambda x: 2 * one(x)) == pytest.approx(
+        2 * fe.membrane(points, triangles, one)
+    )
 
 
 def test_the_rim_stays_at_zero():

@@ -13,7 +13,11 @@ from tests.fixtures import limbs
 @pytest.fixture(scope="module")
 def model():
     vertices, faces, labels = limbs.mesh()
-    return (vertices * np.pi).astype(np.float32), faces.astype(np.int32), labels - 1  # coordinates with all their digits
+    return (
+        (vertices * np.pi).astype(np.float32),
+        faces.astype(np.int32),
+        labels - 1,
+    )  # coordinates with all their digits
 
 
 @pytest.mark.parametrize("suffix", assembly.SUFFIXES)
@@ -73,7 +77,9 @@ def test_other_formats_are_refused(model, tmp_path):
         assembly.write(tmp_path / "m.fbx", *model, limbs.TREE.names)
 
 
-@pytest.mark.parametrize(("name", "content"), [("m.glb", b"glTF"), ("m.stl", b"solid"), ("m.txt", b""), ("m.obj", b"v 0 0 0")])
+@pytest.mark.parametrize(
+    ("name", "content"), [("m.glb", b"glTF"), ("m.stl", b"solid"), ("m.txt", b""), ("m.obj", b"v 0 0 0")]
+)
 def test_what_is_no_mesh_is_refused(tmp_path, name, content):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(FormatError, match=name):

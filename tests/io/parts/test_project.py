@@ -6,8 +6,7 @@ import pytest
 from ipcli.errors import FormatError
 from ipcli.io.files import images
 from ipcli.io.parts import project
-from ipcli.measurements.part_images import PartImage, PartTree, oddities
-from tests.fixtures import limbs
+from ipcli.measurements.part_images import PartTree
 
 PARTS = '[parts]\ntorso = ""\nhead = "torso"\n'
 IMAGE = '[[images]]\nmasks = "a.png"\nview = "left"\n'
@@ -23,7 +22,13 @@ def written(folder, text):
 
 
 def test_a_whole_project(tmp_path):
-    text = 'name = "ox"\nsize = 2\n' + PARTS + "[flatness]\nhead = 1.5\n" + IMAGE + 'aspects = ["head"]\npose = "reference"\n'
+    text = (
+        'name = "ox"\nsize = 2\n'
+        + PARTS
+        + "[flatness]\nhead = 1.5\n"
+        + IMAGE
+        + 'aspects = ["head"]\npose = "reference"\n'
+    )
     found = project.read(written(tmp_path, text))
     assert (found.name, found.size) == ("ox", 2.0)
     assert found.tree == PartTree(("torso", "head"), (-1, 0), (1.0, 1.5))
@@ -71,18 +76,3 @@ def test_a_project_that_is_not_there_or_not_text(tmp_path):
     (tmp_path / "b.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(FormatError, match="TOML"):
         project.read(tmp_path / "b.toml")
-
-
-def test_odd_masks_are_told_of():
-    labels = np.zeros((40, 40), np.int16)
-    labels[0:20, 5:30] = 1
-    labels[8:12, 10:14] = 0
-    labels[30:33, 5:8] = labels[30:33, 20:23] = 2
-    tree = PartTree(("torso", "leg", "tail"), (-1, 0, 0))
-    found = " | ".join(oddities([PartImage("a", labels)], tree))
-    for words in ("hole", "touches the border", "leg in a: only 18 pixels", "2 blobs", "tail: no image"):
-        assert words in found
-
-
-def test_sound_masks_are_not():
-    assert oddities([shot for shot, _ in limbs.shots(("left", "right"))], limbs.TREE) == []
