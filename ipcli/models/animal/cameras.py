@@ -123,8 +123,9 @@ class Outlines:
         return cls(tuple(planes), tuple(rotations), size)
 
     def fit(self, outline: np.ndarray, rotation: np.ndarray, points: np.ndarray) -> tuple[Orthographic, float]:
-        """The camera with this rotation that fits an outline (n, 2) of `outline_of` best, and the root mean square error
-        of the ends of silhouettes along shared axes, in the world. The box of points (n, 3) of a model tells the rest where silhouettes do not.
+        """The camera with this rotation that fits an outline (n, 2) of `outline_of` best, and the root mean square
+        error of the ends of silhouettes along shared axes, in the world. Where silhouettes do not tell, the box of
+        points (n, 3) of a model does.
         """
         rows, right, weights = [], [], []
         for plane, other in zip(self.planes, self.rotations, strict=True):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ipcli.report.animal import animal_model, surfaces
+from ipcli.report.kit.numbers import percent
 from tests.fixtures import limbs
 
 
@@ -33,7 +34,7 @@ def arrays():
 
 def test_the_page_says_how_well_it_fits_and_what_is_a_guess(arrays):
     html = animal_model.page(arrays, {"output": "ox.h5", "digest": "d"})
-    assert "87 %" in html
+    assert percent(0.87) in html
     assert "view found from the masks" in html
     assert "head in left: 2 blobs" in html
     assert 'href="ox.turn.html"' in html
