@@ -36,7 +36,7 @@ class Orthographic:
         """Depth (...) of world points (..., 3) along the direction of view, in units of the world."""
         return points @ self.rotation[2]
 
-    def lift(self, pixels: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    def lift(self, pixels: np.ndarray, depth: np.ndarray | float) -> np.ndarray:
         """World points (..., 3) of pixels (..., 2) at a depth (...), or one depth for all."""
         inplane = (pixels - self.shift) / self.scale
         along = np.broadcast_to(depth, inplane.shape[:-1])[..., None]

@@ -23,7 +23,8 @@ class Grid:
     def around(cls, low: np.ndarray, high: np.ndarray, spacing: float, margin: int = 4) -> Grid:
         """The grid over a box with some voxels to spare on each side."""
         count = np.ceil((high - low) / spacing).astype(int) + 2 * margin + 1
-        return cls(low - margin * spacing, spacing, tuple(int(n) for n in count))
+        nx, ny, nz = (int(n) for n in count)
+        return cls(low - margin * spacing, spacing, (nx, ny, nz))
 
     def points(self) -> np.ndarray:
         """All points (nx, ny, nz, 3)."""

@@ -126,7 +126,8 @@ def _indices(path: Path) -> np.ndarray:
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
         raise FormatError(path, f"not a readable PNG: {error}") from error
     if values.ndim == 3:
-        values = values[..., :3].any(axis=-1) & (values[..., 3] > 0 if values.shape[2] == 4 else True)
+        opaque = values[..., 3] > 0 if values.shape[2] == 4 else np.True_
+        values = np.asarray(values[..., :3].any(axis=-1) & opaque)
     return values.astype(np.int32)
 
 

@@ -125,7 +125,7 @@ def _caps(own: np.ndarray, hidden: np.ndarray) -> np.ndarray:
     """Caps over the cuts: pixels within a share of the length of a shared edge."""
     from scipy.ndimage import binary_dilation, distance_transform_edt, label
 
-    cut = own & binary_dilation(hidden, np.ones((3, 3)), CUT_MARGIN)
+    cut = own & binary_dilation(hidden, np.ones((3, 3), bool), CUT_MARGIN)
     edges, count = label(cut, np.ones((3, 3)))
     caps = np.zeros(own.shape, bool)
     for edge in range(1, count + 1):

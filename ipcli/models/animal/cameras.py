@@ -137,10 +137,10 @@ class Outlines:
                 weights += [1.0, 1.0]
         told = len(rows)
         in_plane = points @ rotation[:2].T
-        for axis in range(2):
-            w = np.eye(2)[axis]
-            rows += [[end, *w] for end in (outline[:, axis].min(), outline[:, axis].max())]
-            right += [in_plane[:, axis].min(), in_plane[:, axis].max()]
+        for side in range(2):
+            w = np.eye(2)[side]
+            rows += [[end, *w] for end in (outline[:, side].min(), outline[:, side].max())]
+            right += [in_plane[:, side].min(), in_plane[:, side].max()]
             weights += [BOX, BOX]
         system, target, weight = np.array(rows), np.array(right), np.array(weights)
         a, *b = np.linalg.lstsq(system * weight[:, None], target * weight, rcond=None)[0]

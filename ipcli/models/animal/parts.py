@@ -163,7 +163,7 @@ def fitting_factor(
     median over the slices of hull thickness over aspect thickness. 1 when no other view tells.
     """
     inside = field < 0
-    ratios = []
+    ratios: list[float] = []
     for direction in directions:
         if abs(direction @ shot.camera.direction) > PARALLEL:
             continue

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -86,13 +87,16 @@ def _refined(
     from scipy.optimize import minimize
     from scipy.spatial.transform import Rotation
 
-    def turned(vector: np.ndarray) -> np.ndarray:
+    def turned(vector: Any) -> np.ndarray:
         return Rotation.from_rotvec(vector).as_matrix() @ rotation
 
     simplex = np.concatenate([np.zeros((1, 3)), TURN * np.eye(3)])
-    options = {"initial_simplex": simplex, "maxfev": EVALUATIONS, "xatol": 2e-3, "fatol": 1e-5}
-    found = minimize(lambda v: -_score(turned(v), outline, cloud, known, cells), np.zeros(3), method="Nelder-Mead",
-                     options=options)  # fmt: skip
+    options: Any = {"initial_simplex": simplex, "maxfev": EVALUATIONS, "xatol": 2e-3, "fatol": 1e-5}
+
+    def lost(vector: Any) -> Any:
+        return -_score(turned(vector), outline, cloud, known, cells)
+
+    found: Any = minimize(lost, np.zeros(3), method="Nelder-Mead", options=options)
     return turned(found.x), -float(found.fun)
 
 

@@ -22,7 +22,7 @@ UNSEEN = (150, 151, 156)
 LIGHT = np.array([-0.45, -0.65, -0.6]) / np.linalg.norm([-0.45, -0.65, -0.6])
 
 
-def colours_of(parts: np.ndarray) -> np.ndarray:
+def colours_of(parts: np.ndarray | int) -> np.ndarray:
     """RGB (..., 3) float of parts by number."""
     return COLOURS[np.asarray(parts) % len(COLOURS)]
 

@@ -108,10 +108,10 @@ def aspects_artefact(animal: Project, params: Modelling, tell: Tell) -> Arrays:
         own = aspect.picture[top : rows.max() + 1, left : columns.max() + 1]
         arrays |= {
             f"aspects/{number:04d}/image": np.array(name),
-            f"aspects/{number:04d}/part": np.int16(part),
+            f"aspects/{number:04d}/part": np.array(part, np.int16),
             f"aspects/{number:04d}/heights": np.ascontiguousarray(own),
             f"aspects/{number:04d}/corner": np.array([left, top], np.int32),
-            f"aspects/{number:04d}/area": np.int64(areas[name].mask(part).sum()),
+            f"aspects/{number:04d}/area": np.array(areas[name].mask(part).sum(), np.int64),
         }
     return arrays
 
@@ -146,7 +146,7 @@ def components_artefact(animal: Project, aspects: Path, params: Modelling, tell:
         _tree(animal)
         | {
             "origin": grid.origin.astype(np.float64),
-            "spacing": np.float64(grid.spacing),
+            "spacing": np.array(grid.spacing),
             "fields": np.clip(fields, -CLIP, CLIP).astype(np.float32),
         }
         | _cameras(images, cameras)
@@ -171,14 +171,14 @@ def model_artefact(animal: Project, components: Path, params: Modelling, tell: T
     cameras = [Orthographic(rotation, scale, shift) for rotation, scale, shift in rows]
     shots = whole.shots_of(images, cameras, grid)
     tell(0.1, "merging and rounding")
-    surface = whole.surface(arrays["fields"], shots, grid, params.volume)
+    surface = whole.surface(list(arrays["fields"]), shots, grid, params.volume)
     surface, cameras = whole.scaled(surface, cameras, animal.size)
     tell(0.7, "looking at it")
     shown, pictures = _looked_at(surface, images, cameras, len(animal.tree))
     bodies = {
         f"bodies/{part:03d}/{key}": value
         for part, (vertices, faces) in surface.parts.items()
-        for key, value in (("part", np.int16(part)), ("vertices", vertices), ("faces", faces))
+        for key, value in (("part", np.array(part, np.int16)), ("vertices", vertices), ("faces", faces))
     }
     return (
         _tree(animal)
@@ -204,7 +204,8 @@ def _looked_at(
     """How well the model fits each image, and the images beside renderings of it."""
     from ipcli.geometry.part_masks import render
 
-    overlaps, each, pictures = [], [], {}
+    overlaps, each = [], []
+    pictures: Arrays = {}
     for number, (image, camera) in enumerate(zip(images, cameras, strict=True)):
         vertices = surface.vertices.astype(np.float64)
         rendered, _ = render(vertices, surface.faces, surface.face_part + 1, camera, image.labels.shape)
