@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -54,7 +54,6 @@ class PartImage:
     is_reference: bool = True
     aspects: tuple[int, ...] | None = None
     picture: np.ndarray | None = None  # (h, w, 3) uint8
-    matches: dict[str, np.ndarray] = field(default_factory=dict)  # name of a point -> (column, row)
 
     def mask(self, part: int) -> np.ndarray:
         """Pixels (h, w) bool of a part."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from ipcli.params import option
 
 LOADS = ("sqrt-poisson", "steep", "printed", "constant")
-MERGES = ("hull", "clip", "union")
+MERGES = ("hull", "clip")
 
 
 @dataclass(frozen=True)
@@ -35,19 +35,12 @@ class Volume:
 
     merge: str = option(
         "hull",
-        "hull: parts cut by the other views' masks, rounded within the hull with all rims kept; clip: the same, "
-        "rounded without the rims; union: the thesis' union of the aspects.",
+        "Parts cut by all views' masks, united and rounded: hull keeps all silhouettes covered, clip does not.",
         flag="--merge",
         choices=MERGES,
     )
     voxels: int = option(96, "Voxels along the longest side.", flag="--voxels", low=24, high=400)
     steps: int = option(20, "Steps of mean curvature flow on the whole, a sixth of a squared voxel each.", low=0)
-    field: str = option(
-        "sdf",
-        "Implicit field of the union: signed distance, or the signed tangent-plane field (our reading of the "
-        "thesis' inner product field).",
-        choices=("sdf", "ipf"),
-    )
 
 
 @dataclass(frozen=True)
