@@ -30,6 +30,7 @@ from ipcli.models.animal.placing import placed
 from ipcli.params import Run
 from ipcli.stages.animal.output import side_files
 from ipcli.stages.animal.parameters import ModelAnimal
+from ipcli.stages.kit import outputs
 from ipcli.stages.kit.artefact import Job, Outcome, make
 
 log = logging.getLogger(__name__)
@@ -68,6 +69,9 @@ def run(
         log.warning("%s: %s", source.name, odd)
     steps = artefact.with_suffix(".steps")
     aspects, components = steps / "aspects.h5", steps / "components.h5"
+    job = Job(artefact, "animal-model", "model-animal", params, (*animal.files, components), beside)
+    outputs.check_names(artefact, (*beside, outputs.run_record_path(artefact)), animal.files)
+    job.standing()  # refuses a name that is taken before any step is run
     done = _make(Job(aspects, "animal-aspects", "model-animal", Lifting(params.modelling.inflation), animal.files),
                  partial(aspects_artefact, animal, params.modelling, _part(progress, 0.0, 0.3)), run)  # fmt: skip
     if params.stop_after == "aspects":
@@ -78,7 +82,6 @@ def run(
                  run)  # fmt: skip
     if params.stop_after == "components":
         return components, done
-    job = Job(artefact, "animal-model", "model-animal", params, (*animal.files, components), beside)
     build = partial(model_artefact, animal, components, params.modelling, _part(progress, 0.7, 1.0))
     return artefact, _make(job, build, run)
 
