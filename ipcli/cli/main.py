@@ -55,7 +55,7 @@ SECTIONS = {
         "brdf-train": Command("Learn how materials look under all lights.", is_script=True),
         "brdf-model": Command("Model the surface of an object from one photograph.", is_script=True),
     },
-    "Animals (chapter 6)": {
+    "Animals": {
         "model-animal": Command("Model an animal from images with part masks.", is_script=True),
     },
     "Any artefact": {
