@@ -12,7 +12,7 @@ FAR = np.float32(1e6)  # depth where a ray meets nothing, in voxels
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class VoxelGrid:
     """Points origin + spacing * (i, j, k) for i < shape[0] and so on, in world units."""
 
     origin: np.ndarray
@@ -20,7 +20,7 @@ class Grid:
     shape: tuple[int, int, int]
 
     @classmethod
-    def around(cls, low: np.ndarray, high: np.ndarray, spacing: float, margin: int = 4) -> Grid:
+    def around(cls, low: np.ndarray, high: np.ndarray, spacing: float, margin: int = 4) -> VoxelGrid:
         """The grid over a box with some voxels to spare on each side."""
         count = np.ceil((high - low) / spacing).astype(int) + 2 * margin + 1
         nx, ny, nz = (int(n) for n in count)
@@ -65,7 +65,7 @@ class Sight:
     pixels: float  # a voxel is that many pixels wide
 
     @classmethod
-    def of(cls, grid: Grid, camera: Orthographic) -> Sight:
+    def of(cls, grid: VoxelGrid, camera: Orthographic) -> Sight:
         """That of this camera."""
         columns = grid.plane(camera.scale * camera.rotation[0], camera.shift[0]).astype(np.float32)
         rows = grid.plane(camera.scale * camera.rotation[1], camera.shift[1]).astype(np.float32)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ipcli.geometry.orthographic import Orthographic, looking, named
-from ipcli.geometry.voxels import FAR, Grid, Sight, hull, signed_distance
+from ipcli.geometry.voxels import FAR, VoxelGrid, Sight, hull, signed_distance
 
-GRID = Grid.around(np.full(3, -1.0), np.full(3, 1.0), 0.1, margin=2)
+GRID = VoxelGrid.around(np.full(3, -1.0), np.full(3, 1.0), 0.1, margin=2)
 
 
 def disc(radius, size=101):

@@ -10,7 +10,7 @@ import numpy as np
 from ipcli.errors import NoSolution
 from ipcli.geometry import level_sets
 from ipcli.geometry.orthographic import Orthographic
-from ipcli.geometry.voxels import Grid, Sight, hull
+from ipcli.geometry.voxels import VoxelGrid, Sight, hull
 from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal import rims
 from ipcli.models.animal.aspects import lift_all
@@ -23,7 +23,7 @@ COARSE = 48  # points along each side of the grid that finds where the animal is
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class PartedSurface:
     """A closed mesh: vertices (n, 3) float32, faces (m, 3) int32, the part of each face (m,) int16, and closed meshes
     of the single parts by index.
     """
@@ -34,7 +34,9 @@ class Surface:
     parts: dict[int, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
-def model(images: Sequence[PartImage], cameras: Sequence[Orthographic], tree: PartTree, params: Modelling) -> Surface:
+def model(
+    images: Sequence[PartImage], cameras: Sequence[Orthographic], tree: PartTree, params: Modelling
+) -> PartedSurface:
     """One surface from images of one pose with their cameras. NoSolution if the silhouettes have nothing in common."""
     lifted = {key: aspect.picture for key, aspect in lift_all(images, tree, params.inflation).items()}
     grid = grid_of(images, cameras, params.volume.voxels)
@@ -43,12 +45,12 @@ def model(images: Sequence[PartImage], cameras: Sequence[Orthographic], tree: Pa
     return surface(rounded(carved, shots, lifted), shots, grid, params.volume)
 
 
-def shots_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], grid: Grid) -> list[Shot]:
+def shots_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], grid: VoxelGrid) -> list[Shot]:
     """The images with their cameras, ready to look into a grid."""
     return [Shot(image, camera, Sight.of(grid, camera)) for image, camera in zip(images, cameras, strict=True)]
 
 
-def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels: int) -> Grid:
+def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels: int) -> VoxelGrid:
     """The grid around the visual hull, with so many voxels along its longest side.
 
     A view that nothing bounds along its direction (a single image) is given the depth of the animal's height.
@@ -56,7 +58,7 @@ def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels
     middle = np.mean([c.lift(_middle(i.silhouette), 0.0) for i, c in zip(images, cameras, strict=True)], axis=0)
     reach = max(max(image.silhouette.shape) / camera.scale for image, camera in zip(images, cameras, strict=True))
     single = len({tuple(np.round(np.abs(c.direction), 3)) for c in cameras}) == 1
-    rough = Grid(middle - reach, 2 * reach / COARSE, (COARSE + 1,) * 3)
+    rough = VoxelGrid(middle - reach, 2 * reach / COARSE, (COARSE + 1,) * 3)
     field = hull([Sight.of(rough, c) for c in cameras], [i.silhouette for i in images])
     inside = np.argwhere(field < 1.0)
     if not len(inside):
@@ -67,7 +69,7 @@ def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels
     high = rough.origin + rough.spacing * (inside.max(axis=0) + 1)
     if single:
         low, high = _shallow(low, high, images[0], cameras[0])
-    return Grid.around(low, high, float((high - low).max()) / voxels)
+    return VoxelGrid.around(low, high, float((high - low).max()) / voxels)
 
 
 def _middle(mask: np.ndarray) -> np.ndarray:
@@ -89,9 +91,9 @@ def _shallow(
 def surface(
     fields: Sequence[np.ndarray],
     shots: Sequence[Shot],
-    grid: Grid,
+    grid: VoxelGrid,
     params: Volume,
-) -> Surface:
+) -> PartedSurface:
     """Merge the fields of all parts, round the whole, and mesh it and each part."""
     phi = merged(fields, shots, params)
     solid = level_sets.largest(level_sets.fill(phi < 0))
@@ -100,7 +102,7 @@ def surface(
     vertices = vertices.astype(np.float32)
     guessed = labels_at(fields, grid, vertices[faces].mean(axis=1))
     labels = voted_labels(vertices.astype(np.float64), faces, guessed, shots, len(fields))
-    return Surface(vertices, faces.astype(np.int32), labels, closed_parts(fields, phi, grid))
+    return PartedSurface(vertices, faces.astype(np.int32), labels, closed_parts(fields, phi, grid))
 
 
 def merged(fields: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume) -> np.ndarray:
@@ -117,7 +119,7 @@ def merged(fields: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume) 
     return rims.round_off(union, bound, sights, outlines, params.steps)
 
 
-def labels_at(fields: Sequence[np.ndarray], grid: Grid, points: np.ndarray) -> np.ndarray:
+def labels_at(fields: Sequence[np.ndarray], grid: VoxelGrid, points: np.ndarray) -> np.ndarray:
     """For world points (n, 3) the part (n,) int16 whose field is least."""
     from scipy.ndimage import map_coordinates
 
@@ -153,7 +155,7 @@ def voted_labels(
 
 
 def closed_parts(
-    fields: Sequence[np.ndarray], whole: np.ndarray, grid: Grid
+    fields: Sequence[np.ndarray], whole: np.ndarray, grid: VoxelGrid
 ) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """A closed mesh of each part inside the whole; parts that came out empty are left out."""
     meshes = {}
@@ -169,7 +171,7 @@ def closed_parts(
     return meshes
 
 
-def seen_by(surface: Surface, images: Sequence[PartImage], cameras: Sequence[Orthographic]) -> np.ndarray:
+def seen_by(surface: PartedSurface, images: Sequence[PartImage], cameras: Sequence[Orthographic]) -> np.ndarray:
     """How many images saw each vertex (n,) uint16: those in which nothing of the surface lies before it."""
     from ipcli.geometry.part_masks import render
 
@@ -185,7 +187,9 @@ def seen_by(surface: Surface, images: Sequence[PartImage], cameras: Sequence[Ort
     return count
 
 
-def scaled(surface: Surface, cameras: Sequence[Orthographic], size: float) -> tuple[Surface, list[Orthographic]]:
+def scaled(
+    surface: PartedSurface, cameras: Sequence[Orthographic], size: float
+) -> tuple[PartedSurface, list[Orthographic]]:
     """The surface with its longest side `size` long and the middle of its box at the origin, and cameras that see it as
     they did.
     """

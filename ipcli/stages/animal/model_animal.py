@@ -17,7 +17,7 @@ import numpy as np
 
 from ipcli.errors import ParameterError
 from ipcli.geometry.orthographic import Orthographic
-from ipcli.geometry.voxels import Grid
+from ipcli.geometry.voxels import VoxelGrid
 from ipcli.io.files import h5
 from ipcli.io.parts import project
 from ipcli.io.parts.project import Project
@@ -169,7 +169,7 @@ def model_artefact(animal: Project, components: Path, params: Modelling, tell: T
     """The arrays of `animal-model`, its longest side as long as the project says."""
     images = [image for image in animal.images if image.is_reference]
     arrays = h5.read(components, "animal-components").arrays
-    grid = Grid(arrays["origin"], float(arrays["spacing"]), arrays["fields"].shape[1:])
+    grid = VoxelGrid(arrays["origin"], float(arrays["spacing"]), arrays["fields"].shape[1:])
     rows = zip(arrays["rotations"], arrays["scales"].tolist(), arrays["shifts"], strict=True)
     cameras = [Orthographic(rotation, scale, shift) for rotation, scale, shift in rows]
     shots = whole.shots_of(images, cameras, grid)
@@ -202,7 +202,7 @@ def model_artefact(animal: Project, components: Path, params: Modelling, tell: T
 
 
 def _looked_at(
-    surface: whole.Surface, images: list[PartImage], cameras: list[Orthographic], parts: int
+    surface: whole.PartedSurface, images: list[PartImage], cameras: list[Orthographic], parts: int
 ) -> tuple[Arrays, Arrays]:
     """How well the model fits each image, and the images beside renderings of it."""
     from ipcli.geometry.part_masks import render

@@ -60,7 +60,7 @@ def test_parts_and_rims_beat_the_visual_hull_from_two_silhouettes(taken):
     from ipcli.geometry.level_sets import mesh
 
     vertices, faces = mesh(hull, grid.spacing, grid.origin)
-    plain = whole.Surface(vertices, faces, np.zeros(len(faces)))
+    plain = whole.PartedSurface(vertices, faces, np.zeros(len(faces)))
     ours = whole.model(images, found, limbs.TREE, QUICK)
     assert distance(ours, found, truth) < 0.75 * distance(plain, found, truth)
 
@@ -95,7 +95,7 @@ def test_silhouettes_without_a_common_body_have_no_solution(taken):
 def test_seen_by_counts_the_images_that_see_a_vertex(taken):
     images, truth = zip(*taken[:1], strict=True)
     vertices, faces, labels = limbs.mesh()
-    surface = whole.Surface(vertices.astype(np.float32), faces.astype(np.int32), (labels - 1).astype(np.int16))
+    surface = whole.PartedSurface(vertices.astype(np.float32), faces.astype(np.int32), (labels - 1).astype(np.int16))
     seen = whole.seen_by(surface, images, truth)
     torso = np.abs(vertices[:, 0]) < 0.3
     assert seen[torso & (vertices[:, 1] > 0.2)].all()
@@ -113,7 +113,7 @@ def test_overlap_of_labels():
 def test_scaling_keeps_what_the_cameras_see(taken):
     images, truth = zip(*taken[:2], strict=True)
     vertices, faces, labels = limbs.mesh()
-    surface = whole.Surface(vertices.astype(np.float32), faces.astype(np.int32), labels - 1)
+    surface = whole.PartedSurface(vertices.astype(np.float32), faces.astype(np.int32), labels - 1)
     moved, cameras = whole.scaled(surface, truth, 7.0)
     assert np.ptp(moved.vertices, axis=0).max() == pytest.approx(7.0, rel=1e-5)
     again, _ = render(moved.vertices.astype(float), moved.faces, labels, cameras[0], images[0].labels.shape)
