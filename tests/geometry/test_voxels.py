@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ipcli.geometry.orthographic import Orthographic, looking, named
-from ipcli.geometry.voxels import FAR, VoxelGrid, Sight, hull, signed_distance
+from ipcli.geometry.voxels import FAR, Sight, VoxelGrid, hull, signed_distance
 
 GRID = VoxelGrid.around(np.full(3, -1.0), np.full(3, 1.0), 0.1, margin=2)
 

@@ -10,7 +10,7 @@ import numpy as np
 from ipcli.errors import NoSolution
 from ipcli.geometry import level_sets
 from ipcli.geometry.orthographic import Orthographic
-from ipcli.geometry.voxels import VoxelGrid, Sight, hull
+from ipcli.geometry.voxels import Sight, VoxelGrid, hull
 from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal import rims
 from ipcli.models.animal.aspects import lift_all
