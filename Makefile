@@ -18,8 +18,9 @@ demo: $(INSTALLED)
 	$(BIN)/fuse-depth sample_data/shapes --reference 005 -o $(DEMO)/shapes.fused.h5
 	$(BIN)/mocap-train sample_data/motions --actors ann,bob $(FEW_SWEEPS) -o $(DEMO)/motions.model.h5
 	$(BIN)/mocap-classify $(DEMO)/motions.model.h5 sample_data/motions --actors eve -o $(DEMO)/motions.recognition.h5
-	@echo "Open in a browser: where somebody walked and looked, a fused depth map, behaviours of people, and the actions of somebody who was not learnt from"
-	@for page in room.gaze shapes.fused motions.model motions.recognition; do echo "  $(CURDIR)/$(DEMO)/$$page.html"; done
+	$(BIN)/model-animal sample_data/animal/standing.toml -o $(DEMO)/animal.glb
+	@echo "Open in a browser: where somebody walked and looked, a fused depth map, an animal, behaviours of people, and the actions of somebody who was not learnt from"
+	@for page in room.gaze shapes.fused animal motions.model motions.recognition; do echo "  $(CURDIR)/$(DEMO)/$$page.html"; done
 
 test: $(INSTALLED)
 	$(PYTEST)

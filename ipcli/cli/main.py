@@ -55,6 +55,9 @@ SECTIONS = {
         "brdf-train": Command("Learn how materials look under all lights.", is_script=True),
         "brdf-model": Command("Model the surface of an object from one photograph.", is_script=True),
     },
+    "Animals": {
+        "model-animal": Command("Model an animal from images with part masks.", is_script=True),
+    },
     "Any artefact": {
         "info": Command("Tell what a file holds and how it was made."),
         "report": Command("Draw an artefact as an HTML page."),

@@ -1,1 +1,1 @@
-"""What readers make and models take: views, clips of motion, and their names; each with a check of its own."""
+"""What readers make and models take: views, clips of motion, part images, and their names; each with its own check."""

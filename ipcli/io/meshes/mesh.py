@@ -46,3 +46,29 @@ def _parse(path: Path) -> tuple[np.ndarray, np.ndarray]:
     if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
         raise FormatError(path, "a face names a vertex that is not there", fix="Check that the file is whole")
     return vertices, faces
+
+
+JOINED = (".ply", ".obj", ".stl", ".glb")
+MOST_BYTES = 2_000_000_000  # of a mesh file
+
+
+def read_joined(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n, 3) float64 and triangles (m, 3) of PLY, OBJ, STL or GLB: all objects as one, equal vertices joined
+    and triangles without an extent left out, as printers and viewers do. Raises FormatError.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in JOINED:
+        raise FormatError(
+            path, "not a mesh", expected=" ".join(JOINED), got=path.suffix or "no suffix", fix="Convert it"
+        )
+    if not path.is_file() or path.stat().st_size > MOST_BYTES:
+        raise FormatError(path, "no file, or too large", expected=f"at most {MOST_BYTES} bytes", fix="Check the path")
+    vertices, faces = _parse(path)
+    if not len(faces) or not np.isfinite(vertices).all():
+        raise FormatError(
+            path, "holds no triangles, or vertices that are not finite", fix="Check that the file is whole"
+        )
+    _, first, joined = np.unique(vertices, axis=0, return_index=True, return_inverse=True)
+    faces = joined.reshape(-1)[faces]
+    a, b, c = faces.T
+    return vertices[first], faces[(a != b) & (b != c) & (c != a)]

@@ -1,0 +1,11 @@
+# Animals from part masks (thesis chapter 6), into one page, build/experiments/animal-animals/index.html, with its table as CSV
+# and JSON:
+#   make experiments/animal-animals   rendered masks of labelled meshes: table 6.2 against baselines, table 6.1 (time)
+# QUICK=1 takes a generated animal in place of the data sets. DATA is the folder of the data sets. Methods were developed on
+# DEVELOPMENT of meshes.py; the tables show the others apart. A trial that is there is not done again.
+
+.PHONY: experiments/animal-animals
+
+experiments/animal-animals: $(INSTALLED)
+	$(BIN)/python -m experiments.animal.animals build/experiments/animal-animals$(if $(QUICK),-quick)/index.html \
+	    --data $(or $(DATA),$(IPCLI_DATA),../shared/data) --cache build/meshes/animal $(if $(QUICK),--quick)

@@ -1,0 +1,136 @@
+"""Part masks of one image: an index PNG, a folder of one PNG a part, LabelMe JSON, or a .mat of PASCAL-Part.
+
+Each reader returns the names of the parts it met and labels (h, w) int16: 0 background, k + 1 the k-th name.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ipcli.errors import FormatError
+from ipcli.io.files import images
+from ipcli.io.parts import pascal
+
+MOST_PIXELS = 50_000_000  # of one image
+MOST_PARTS = 250
+
+
+class Masks(NamedTuple):
+    """Names of the parts in an image and its labels (h, w) int16."""
+
+    names: tuple[str, ...]
+    labels: np.ndarray
+
+
+def read(path: Path, names: Sequence[str] = (), which: int = 0) -> Masks:
+    """The masks at `path`. `names` says what the values 1, 2, ... of an index PNG mean; `which` picks an object of a
+    PASCAL-Part file. Raises FormatError for whatever is not such a file.
+    """
+    path = Path(path)
+    if path.is_dir():
+        return read_folder(path)
+    readers = {".png": lambda: read_index(path, names), ".json": lambda: read_labelme(path)}
+    readers[".mat"] = lambda: Masks(*pascal.read(path, which))
+    if path.suffix.lower() not in readers:
+        expected = "a .png of indices, a folder of .png, LabelMe .json or PASCAL-Part .mat"
+        raise FormatError(path, "not part masks", expected=expected, got=path.suffix or "no suffix")
+    return readers[path.suffix.lower()]()
+
+
+def read_index(path: Path, names: Sequence[str]) -> Masks:
+    """A PNG, grey or with a palette, whose values are indices: 0 background, 1 the first of `names`."""
+    indices = _indices(path)
+    if indices.max(initial=0) > len(names):
+        fix = "Add `labels` to this image in the project: the names of the values from 1 on"
+        raise FormatError(
+            path, "a value without a name", expected=f"0 to {len(names)}", got=int(indices.max()), fix=fix
+        )
+    return Masks(tuple(names), indices.astype(np.int16))
+
+
+def read_folder(folder: Path) -> Masks:
+    """One PNG a part, named after it; not black is the part. A pixel of two parts belongs to the later name."""
+    files = sorted(path for path in folder.iterdir() if path.suffix.lower() == ".png" and path.is_file())
+    if not files or len(files) > MOST_PARTS:
+        raise FormatError(folder, "no folder of masks", expected=f"1 to {MOST_PARTS} .png files", got=len(files))
+    labels = None
+    for number, path in enumerate(files, start=1):
+        mask = _indices(path) > 0
+        if labels is None:
+            labels = np.zeros(mask.shape, np.int16)
+        if mask.shape != labels.shape:
+            raise FormatError(path, "another size than the first mask", expected=labels.shape, got=mask.shape)
+        labels[mask] = number
+    assert labels is not None
+    return Masks(tuple(path.stem for path in files), labels)
+
+
+def read_labelme(path: Path) -> Masks:
+    """Polygons, rectangles and circles of a LabelMe file; what comes later lies on top."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        shapes = [(str(shape["label"]), _polygon(shape)) for shape in content["shapes"]]
+        size = (content["imageHeight"], content["imageWidth"])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        raise FormatError(path, f"not a LabelMe file ({type(error).__name__}: {error})") from error
+    if not all(type(side) is int and side > 0 for side in size):
+        raise FormatError(path, "no size of the image", expected="imageHeight and imageWidth, whole and > 0", got=size)
+    _check_size(path, size)
+    names = tuple(dict.fromkeys(label for label, _ in shapes))
+    if not names or len(names) > MOST_PARTS:
+        raise FormatError(path, "wrong number of labels", expected=f"1 to {MOST_PARTS}", got=len(names))
+    return Masks(names, _drawn(size, names, shapes))
+
+
+def _polygon(shape: dict) -> np.ndarray:
+    points = np.array(shape["points"], np.float64)
+    if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all() or np.abs(points).max() > 1e6:
+        raise ValueError(f"points of {shape.get('label')!r} are not pairs of coordinates")
+    kind = shape.get("shape_type") or "polygon"
+    if kind == "rectangle" and len(points) == 2:
+        (a, b), (c, d) = points
+        return np.array([[a, b], [c, b], [c, d], [a, d]])
+    if kind == "circle" and len(points) == 2:
+        turn = np.linspace(0, 2 * np.pi, 90, endpoint=False)
+        return points[0] + np.linalg.norm(points[1] - points[0]) * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    if kind != "polygon" or len(points) < 3:
+        raise ValueError(f"a {kind} of {len(points)} points; polygons, rectangles and circles are read")
+    return points
+
+
+def _drawn(size: tuple[int, int], names: Sequence[str], shapes: Sequence[tuple[str, np.ndarray]]) -> np.ndarray:
+    import cv2
+
+    canvas = np.zeros(size, np.uint8)
+    for label, polygon in shapes:
+        cv2.fillPoly(canvas, [np.rint(polygon).astype(np.int32)], names.index(label) + 1)
+    return canvas.astype(np.int16)
+
+
+def _indices(path: Path) -> np.ndarray:
+    """Values (h, w) of a PNG: of a palette its indices, of colours whether they are not black."""
+    from PIL import Image
+
+    data = images._bytes(path)
+    if not data.startswith(images.PNG) or not images._whole_png(data):
+        raise FormatError(path, "not a whole PNG", fix="Copy it again")
+    try:
+        with Image.open(path) as image:
+            _check_size(path, image.size)
+            values = np.asarray(image)
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        raise FormatError(path, f"not a readable PNG: {error}") from error
+    if values.ndim == 3:
+        opaque = values[..., 3] > 0 if values.shape[2] == 4 else np.True_
+        values = np.asarray(values[..., :3].any(axis=-1) & opaque)
+    return values.astype(np.int32)
+
+
+def _check_size(path: Path, size: Sequence[int]) -> None:
+    if size[0] * size[1] > MOST_PIXELS:
+        raise FormatError(path, "too large", expected=f"at most {MOST_PIXELS} pixels", got=f"{size[0]} x {size[1]}")

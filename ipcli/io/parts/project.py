@@ -1,0 +1,184 @@
+"""The project of an animal, a short TOML file: its parts, and which image shows what.
+
+name = "giraffe"
+size = 1.0                      # longest side of the model, in your unit
+
+[parts]                         # part = parent; the root has ""
+torso = ""
+head = "torso"
+
+[flatness]                      # optional: above 1 flatter than round
+head = 1.2
+
+[[images]]
+masks = "left.png"              # index PNG, folder of one PNG a part, LabelMe .json or PASCAL-Part .mat
+view = "left"                   # left right front back top bottom; leave it out when it is not known
+# labels = ["torso", "head"]    # what the values 1, 2, ... of an index PNG mean; the order of [parts] if not given
+# picture = "left.jpg"          # shown on the page
+# pose = "other"                # not in the reference pose: gives shape, not place
+# aspects = ["head"]            # parts that take their shape from here; all if not given
+# rename = { lfleg = "leg" }    # names in the masks -> names of parts; "" drops a part
+# object = 0                    # number of the object in a PASCAL-Part file
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ipcli.errors import FormatError, nearest
+from ipcli.geometry.orthographic import NAMED
+from ipcli.io.files import images
+from ipcli.io.parts import masks
+from ipcli.measurements.part_images import NONE, PartImage, PartTree
+
+TOP = {"name": str, "size": (int, float), "parts": dict, "flatness": dict, "images": list}
+IMAGE = {
+    "name": str, "masks": str, "view": str, "labels": list, "picture": str, "pose": str, "aspects": list,
+    "rename": dict, "object": int,
+}  # fmt: skip
+POSES = ("reference", "other")
+MOST_BYTES = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Project:
+    """An animal as its project describes it: what to model, from which images, and all files that were read."""
+
+    name: str
+    size: float
+    tree: PartTree
+    images: tuple[PartImage, ...]
+    files: tuple[Path, ...]
+
+
+def read(path: Path) -> Project:
+    """The project at `path` with all its masks. Raises FormatError, naming the file and the part."""
+    path = Path(path)
+    content = _content(path)
+    _check_keys(path, content, TOP, "")
+    tree = _tree(path, content.get("parts", {}), content.get("flatness", {}))
+    entries = content.get("images", [])
+    if not entries or not all(isinstance(entry, dict) for entry in entries):
+        raise FormatError(path, "no images", fix="Add an [[images]] section with `masks` for each image")
+    read_images = [_image(path, entry, tree, number) for number, entry in enumerate(entries, start=1)]
+    pictures = tuple(image for image, _ in read_images)
+    names = [image.name for image in pictures]
+    if len(set(names)) < len(names):
+        raise FormatError(path, "two images of one name", got=", ".join(names), fix="Give each a `name`")
+    if not any(image.is_reference for image in pictures):
+        raise FormatError(path, "no image of the reference pose", fix='Leave out pose = "other" in at least one')
+    size = float(content.get("size", 1.0))
+    if not 0 < size < 1e9:
+        raise FormatError(path, "no size of an animal", expected="size > 0", got=size)
+    files = (path, *(file for _, files in read_images for file in files))
+    return Project(content.get("name", path.stem), size, tree, pictures, tuple(dict.fromkeys(files)))
+
+
+def _content(path: Path) -> dict[str, Any]:
+    try:
+        if path.stat().st_size > MOST_BYTES:
+            raise FormatError(path, "too large for a project", expected=f"at most {MOST_BYTES} bytes")
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FormatError(path, f"cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, ValueError) as error:
+        raise FormatError(path, f"not valid TOML: {error}") from error
+
+
+def _check_keys(path: Path, table: Mapping[str, Any], known: Mapping[str, Any], where: str) -> None:
+    for key, value in table.items():
+        if key not in known:
+            raise FormatError(path, f"{where}unknown key '{key}'{nearest(key, known)}")
+        if not isinstance(value, known[key]) or isinstance(value, bool):
+            kinds = known[key] if isinstance(known[key], tuple) else (known[key],)
+            words = " or ".join(kind.__name__ for kind in kinds)
+            raise FormatError(path, f"{where}{key}: wrong type", expected=words, got=type(value).__name__)
+
+
+def _tree(path: Path, parts: Mapping[str, Any], flatness: Mapping[str, Any]) -> PartTree:
+    """The tree of the parts; FormatError for an unknown parent, no root or two, or parents in a circle."""
+    names = tuple(parts)
+    if not names or len(names) > masks.MOST_PARTS or not all(isinstance(parent, str) for parent in parts.values()):
+        raise FormatError(path, "no parts", fix='Add a section [parts] with lines such as head = "torso"')
+    for part, parent in parts.items():
+        if parent and parent not in parts:
+            raise FormatError(path, f"part '{part}' has the unknown parent '{parent}'{nearest(parent, parts)}")
+    roots = [part for part, parent in parts.items() if not parent]
+    if len(roots) != 1:
+        raise FormatError(path, "not one root", expected='one part with the parent ""', got=", ".join(roots) or "none")
+    for part in names:
+        seen, at = {part}, parts[part]
+        while at:
+            if at in seen:
+                raise FormatError(path, f"the parents of '{part}' go in a circle", got=" - ".join([*seen, at]))
+            seen.add(at)
+            at = parts[at]
+    for part, value in flatness.items():
+        if part not in parts or not isinstance(value, (int, float)) or not 0.05 <= value <= 20:
+            raise FormatError(path, f"flatness of '{part}'", expected="a part = 0.05 to 20", got=value)
+    parents = tuple(names.index(parts[part]) if parts[part] else NONE for part in names)
+    return PartTree(names, parents, tuple(float(flatness.get(part, 1.0)) for part in names))
+
+
+def _image(path: Path, entry: Mapping[str, Any], tree: PartTree, number: int) -> tuple[PartImage, list[Path]]:
+    where = f"image {number}: "
+    _check_keys(path, entry, IMAGE, where)
+    if "masks" not in entry:
+        raise FormatError(path, f"{where}no masks", fix='Add masks = "FILE"')
+    view, pose = entry.get("view"), entry.get("pose", "reference")
+    if view is not None and view not in NAMED:
+        raise FormatError(path, f"{where}unknown view '{view}'{nearest(view, NAMED)}")
+    if pose not in POSES:
+        raise FormatError(path, f"{where}unknown pose '{pose}'{nearest(pose, POSES)}")
+    source = path.parent / entry["masks"]
+    if not source.exists():
+        raise FormatError(source, "no such file or folder", fix=f"It is the masks of image {number} in {path.name}")
+    read_masks = masks.read(source, tuple(map(str, entry.get("labels", tree.names))), entry.get("object", 0))
+    labels = _renamed(path, source, read_masks, entry.get("rename", {}), tree)
+    picture, shown = _picture(path, entry, labels.shape)
+    aspects = _aspects(path, where, entry.get("aspects"), tree)
+    name = entry.get("name", source.stem)
+    image = PartImage(name, labels, view, pose == "reference", aspects, picture)
+    return image, [source, *shown]
+
+
+def _renamed(path: Path, source: Path, found: masks.Masks, rename: Mapping[str, Any], tree: PartTree) -> np.ndarray:
+    """Labels of a file as numbers of the tree's parts."""
+    table = np.zeros(len(found.names) + 1, np.int16)
+    present = set(np.unique(found.labels).tolist())
+    for number, name in enumerate(found.names, start=1):
+        part = rename.get(name, name)
+        if part in tree.names:
+            table[number] = tree.names.index(part) + 1
+        elif part and number in present:
+            fix = f'Add it to [parts], or rename = {{ "{name}" = "" }} in {path.name}'
+            raise FormatError(source, f"unknown part '{part}'{nearest(str(part), tree.names)}", fix=fix)
+    labels = table[found.labels]
+    if not labels.any():
+        raise FormatError(source, "shows no part", expected=", ".join(tree.names))
+    return labels
+
+
+def _picture(path: Path, entry: Mapping[str, Any], shape: tuple[int, int]) -> tuple[np.ndarray | None, list[Path]]:
+    if "picture" not in entry:
+        return None, []
+    file = path.parent / entry["picture"]
+    picture = images.read_image(file)
+    if picture.shape[:2] != shape:
+        raise FormatError(file, "another size than its masks", expected=shape, got=picture.shape[:2])
+    return picture, [file]
+
+
+def _aspects(path: Path, where: str, names: Any, tree: PartTree) -> tuple[int, ...] | None:
+    if names is None:
+        return None
+    for name in names:
+        if name not in tree.names:
+            raise FormatError(path, f"{where}aspects: unknown part '{name}'{nearest(str(name), tree.names)}")
+    return tuple(tree.names.index(name) for name in names)

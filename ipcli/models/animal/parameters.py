@@ -1,0 +1,51 @@
+"""Parameters of the models of chapter 6."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ipcli.params import option
+
+LOADS = ("sqrt-poisson", "steep", "printed", "constant")
+MERGES = ("hull", "clip")
+
+
+@dataclass(frozen=True)
+class Inflation:
+    """How a mask becomes a closed surface (6.3.1)."""
+
+    load: str = option(
+        "sqrt-poisson",
+        "What lifts the surface: sqrt-poisson and steep give round limbs, printed is the thesis' (6.4).",
+        flag="--load",
+        choices=LOADS,
+    )
+    gain: float = option(0.45, "Weight gamma of the loads steep, printed and constant.", low=0.0)
+    concave_gain: float | None = option(None, "The weight gamma_2 beside concave rims; none: gain.", low=0.0)
+    bending: float = option(
+        0.0, "Bending length sqrt(b / l) over the largest radius of the mask; 0: a membrane.", low=0.0
+    )
+    triangles: int = option(1500, "About so many triangles a mask.", low=50)
+    smoothing: float = option(1.0, "Deviation of the Gaussian that smooths the contour.", low=0.0, unit="pixels")
+
+
+@dataclass(frozen=True)
+class Volume:
+    """The grid of the parts and the whole, and how they are merged and rounded."""
+
+    merge: str = option(
+        "hull",
+        "Parts cut by all views' masks, united and rounded: hull keeps all silhouettes covered, clip does not.",
+        flag="--merge",
+        choices=MERGES,
+    )
+    voxels: int = option(96, "Voxels along the longest side.", flag="--voxels", low=24, high=400)
+    steps: int = option(20, "Steps of mean curvature flow on the whole, a sixth of a squared voxel each.", low=0)
+
+
+@dataclass(frozen=True)
+class Modelling:
+    """Everything that shapes a model."""
+
+    inflation: Inflation = field(default_factory=Inflation)
+    volume: Volume = field(default_factory=Volume)

@@ -1,0 +1,47 @@
+"""Mean curvature flow inside a visual hull that keeps every silhouette covered.
+
+The flow (6.9) rounds what the hull leaves square, and would draw the surface off the rims that the images prove. After
+each step the field is lowered along every ray of a silhouette until the ray meets the surface again as near to the rim
+as its pixel is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ipcli.geometry.level_sets import STABLE, curvature_speed
+from ipcli.geometry.voxels import FAR, Sight
+
+DEEP = 1.5  # voxels behind the rim beyond which a ray need only meet the surface at that depth
+
+
+def round_off(phi: np.ndarray, hull: np.ndarray, sights: Sequence[Sight], rims: Sequence[np.ndarray], steps: int):
+    """The field (nx, ny, nz) after `steps` explicit steps of flow, within `hull`, with all rims kept.
+
+    `rims` are the fields of the silhouettes, each as `Sight.silhouette_distance` gives it. All in voxels.
+    """
+    wanted = [wanted_depth(sight, rim) for sight, rim in zip(sights, rims, strict=True)]
+    phi = np.maximum(phi, hull)
+    for _ in range(steps):
+        phi = np.maximum(phi + np.float32(STABLE) * curvature_speed(phi), hull)
+        phi = keep_rims(phi, hull, sights, wanted)
+    return phi
+
+
+def wanted_depth(sight: Sight, rim: np.ndarray) -> np.ndarray:
+    """For each ray the value that the field must fall to on it; FAR for rays beside the silhouette."""
+    least = sight.least(rim)
+    return np.where(least < 0, np.maximum(least, -DEEP), FAR)
+
+
+def keep_rims(phi: np.ndarray, hull: np.ndarray, sights: Sequence[Sight], wanted: Sequence[np.ndarray]) -> np.ndarray:
+    """The field lowered along the rays of each camera that do not reach the wanted depth, but not beyond the hull."""
+    for sight, want in zip(sights, wanted, strict=True):
+        lack = np.where(want < FAR, sight.least(phi) - want, 0.0)
+        lower = np.clip(lack, 0, None).astype(np.float32)
+        lower[lack > FAR / 2] = 0  # no point of the grid lies on the ray
+        if lower.any():
+            phi = np.maximum(phi - lower[sight.ray], hull)
+    return phi

@@ -1,0 +1,105 @@
+"""The page of an `animal-model`: what it looks like from around, how it fits its images, and what nobody saw."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import PurePath
+
+import numpy as np
+
+from ipcli.report.animal import surfaces
+from ipcli.report.kit import pictures
+from ipcli.report.kit.numbers import percent
+from ipcli.report.kit.page import Markup, columns_for, element, figure, gallery, join, meter, notice, section, table
+from ipcli.report.kit.page import page as document
+from ipcli.report.kit.pictures import photograph
+from ipcli.report.kit.provenance import origin
+
+LONGEST = 420  # pixels of a turntable picture
+AROUND = 8
+
+
+def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = pictures.WIDEST) -> str:
+    """The HTML of an "animal-model" artefact; no picture is stored wider than `widest` pixels."""
+    return document(
+        f"Model of {arrays['name']}",
+        "ipcli model-animal",
+        _verdict(arrays),
+        *(notice(text) for text in arrays["warnings"].tolist()),
+        _turning(arrays, provenance, widest),
+        _images(arrays, widest),
+        _unseen(arrays, widest),
+        _parts(arrays),
+        origin(provenance),
+    )
+
+
+def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
+    fits = arrays["overlaps"]
+    unseen = float((arrays["seen_by"] == 0).mean())
+    return (
+        f"One closed surface of {len(np.unique(arrays['face_part']))} parts and {len(arrays['faces'])} faces from "
+        f"{len(fits)} images; the model shows the right part in {percent(float(fits.min()))} or more of the pixels of "
+        f"each. {percent(unseen)} of its vertices were seen by no image: there it is a guess."
+    )
+
+
+def _turning(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], widest: int) -> Markup:
+    colours = surfaces.colours_of(arrays["face_part"])
+    longest = min(LONGEST, widest)
+    shots = surfaces.turntable(arrays["vertices"].astype(np.float64), arrays["faces"], colours, AROUND, longest)
+    shown = [figure(photograph(shot, widest), f"{(45 + 360 * k // AROUND) % 360}°") for k, shot in enumerate(shots)]
+    aspect = shots[0].shape[1] / shots[0].shape[0]
+    stem = PurePath(str(provenance.get("output", ""))).stem
+    link = element("p", element("a", "Turn the model", href=f"{stem}.turn.html")) if stem else join()
+    lead = "From around, 15° from above; 0° is in front of the animal, 90° to its left."
+    return section(
+        "The model", link, gallery(*shown, columns=columns_for(aspect, AROUND, small=True)), _legend(arrays), lead=lead
+    )
+
+
+def _legend(arrays: Mapping[str, np.ndarray]) -> Markup:
+    swatches = [
+        element("span", element("b", "■ ", style=f"color:{colour}"), name, style="margin-right:1.2em")
+        for name, colour in surfaces.legend(arrays["parts"].tolist())
+    ]
+    return element("p", *swatches)
+
+
+def _images(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
+    shown = []
+    for number, name in enumerate(arrays["images"].tolist()):
+        stem = f"pictures/{number:03d}"
+        drawn = surfaces.overlay(arrays[f"{stem}/labels"], arrays[f"{stem}/rendered"], arrays.get(f"{stem}/picture"))
+        view = str(arrays["views"][number]) or "view found from the masks"
+        note = f"{view}; {percent(float(arrays['overlaps'][number]))} of the pixels agree"
+        shown.append(figure(photograph(drawn, widest), name, note))
+    lead = "The masks as they were given; black: the outlines of the model's parts, seen by the camera that was found."
+    return section("Over its images", gallery(*shown, columns=max(2, min(4, len(shown)))), lead=lead)
+
+
+def _unseen(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
+    seen = arrays["seen_by"][arrays["faces"]].min(axis=1)
+    ramp = pictures.palette("viridis")[2:]
+    most = max(int(arrays["seen_by"].max()), 1)
+    colours = ramp[np.minimum(seen * 253 // most, 253)].astype(np.float64)
+    colours[seen == 0] = surfaces.UNSEEN
+    shots = surfaces.turntable(arrays["vertices"].astype(np.float64), arrays["faces"], colours, 4, min(LONGEST, widest))
+    shown = [figure(photograph(shot, widest), f"{(45 + 90 * k) % 360}°") for k, shot in enumerate(shots)]
+    lead = f"Grey: no image saw it. Dark to bright: 1 to {most} images."
+    return section("What the images saw", gallery(*shown, columns=4), lead=lead)
+
+
+def _parts(arrays: Mapping[str, np.ndarray]) -> Markup:
+    names = arrays["parts"].tolist()
+    faces = np.bincount(arrays["face_part"], minlength=len(names))
+    rows = [
+        (name, f"{faces[part]}", *(_share(value) for value in arrays["part_overlaps"][:, part]))
+        for part, name in enumerate(names)
+    ]
+    lead = "For each image the pixels in which image and model both show the part, over those in which either does."
+    return section("Part by part", table(("part", "faces", *arrays["images"].tolist()), rows), lead=lead)
+
+
+def _share(value: float) -> object:
+    return "" if np.isnan(value) else meter(float(value), percent(float(value)))

@@ -1,0 +1,86 @@
+"""Labelled meshes as pictures: shaded from around, and drawn over the images they were made from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ipcli.geometry.orthographic import looking
+from ipcli.geometry.part_masks import first_faces, framed
+
+COLOURS = np.array(
+    [
+        (222, 165, 92), (94, 140, 190), (196, 94, 88), (110, 168, 120), (150, 120, 180), (216, 190, 92),
+        (104, 176, 176), (206, 130, 168), (150, 150, 110), (120, 110, 100), (170, 200, 110), (90, 110, 150),
+    ],
+    np.float64,
+)  # fmt: skip
+BEHIND = (36, 38, 43)
+PAPER = (246, 245, 240)
+UNSEEN = (150, 151, 156)
+LIGHT = np.array([-0.45, -0.65, -0.6]) / np.linalg.norm([-0.45, -0.65, -0.6])
+
+
+def colours_of(parts: np.ndarray | int) -> np.ndarray:
+    """RGB (..., 3) float of parts by number."""
+    return COLOURS[np.asarray(parts) % len(COLOURS)]
+
+
+def shaded(
+    vertices: np.ndarray, faces: np.ndarray, colours: np.ndarray, rotation: np.ndarray, longest: int
+) -> np.ndarray:
+    """The mesh in the colours (m, 3) of its faces under a soft lamp, as (h, w, 3) uint8, seen with a rotation."""
+    camera, shape = framed(vertices, rotation, longest)
+    first, _ = first_faces(vertices, faces, camera, shape)
+    corners = vertices[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ rotation.T
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    lit = 0.25 + 0.35 * np.clip(-normals[:, 2], 0, 1) + 0.45 * (0.5 + 0.5 * normals @ LIGHT) ** 2
+    painted = np.full((*shape, 3), BEHIND, np.float64)
+    met = first >= 0
+    painted[met] = colours[first[met]] * lit[first[met], None]
+    return np.clip(painted, 0, 255).astype(np.uint8)
+
+
+def turntable(
+    vertices: np.ndarray, faces: np.ndarray, colours: np.ndarray, count: int, longest: int
+) -> list[np.ndarray]:
+    """Pictures from `count` places around, a little from above; all of one size."""
+    pictures = [shaded(vertices, faces, colours, looking(45 + 360 * k / count, 15.0), longest) for k in range(count)]
+    height, width = (max(picture.shape[axis] for picture in pictures) for axis in (0, 1))
+    return [_centred(picture, height, width) for picture in pictures]
+
+
+def _centred(picture: np.ndarray, height: int, width: int) -> np.ndarray:
+    canvas = np.full((height, width, 3), BEHIND, np.uint8)
+    top, left = (height - picture.shape[0]) // 2, (width - picture.shape[1]) // 2
+    canvas[top : top + picture.shape[0], left : left + picture.shape[1]] = picture
+    return canvas
+
+
+def painted_labels(labels: np.ndarray) -> np.ndarray:
+    """A label image (h, w), 0 background, in the colours of its parts."""
+    table = np.concatenate([[PAPER], colours_of(np.arange(max(int(labels.max(initial=0)), 1)))])
+    return table[labels].astype(np.uint8)
+
+
+def overlay(labels: np.ndarray, rendered: np.ndarray, picture: np.ndarray | None) -> np.ndarray:
+    """The outlines of the model's parts over an image (or over its masks), (h, w, 3) uint8."""
+    ground = painted_labels(labels).astype(np.float64)
+    if picture is not None:
+        ground = np.where((labels > 0)[..., None], 0.6 * picture + 0.4 * ground, picture)
+    return np.where(borders(rendered)[..., None], 20, ground).astype(np.uint8)
+
+
+def borders(labels: np.ndarray) -> np.ndarray:
+    """Pixels (h, w) bool beside another label."""
+    edge = np.zeros(labels.shape, bool)
+    edge[:, 1:] |= labels[:, 1:] != labels[:, :-1]
+    edge[1:] |= labels[1:] != labels[:-1]
+    return edge
+
+
+def legend(names: Sequence[str]) -> list[tuple[str, str]]:
+    """Name and CSS colour of each part."""
+    return [(name, "#" + bytes(int(v) for v in colours_of(k)).hex()) for k, name in enumerate(names)]

@@ -1,0 +1,83 @@
+"""Kinds of artefacts of chapter 6."""
+
+from __future__ import annotations
+
+from ipcli.schema.fields import FINITE, WEIGHT, Domain, Field, Kind
+
+POSITIVE = Domain("finite, > 0", 0.0, closed=False)
+
+TREE = (
+    Field("parts", "str", ("p",), "", "Name of each part"),
+    Field("parents", "int16", ("p",), "", "Index of the parent of each part; -1 for the root"),
+)
+
+ASPECTS = Kind(
+    "animal-aspects",
+    1,
+    "Parts of an animal, each lifted from its mask in one image to half of a closed surface.",
+    (
+        *TREE,
+        Field("aspects/*/image", "str", (), "", "Name of the image"),
+        Field("aspects/*/part", "int16", (), "", "Index of the part"),
+        Field(
+            "aspects/*/heights", "float32", ("h", "w"), "px", "Half thickness over the mask, 0 outside", domain=WEIGHT
+        ),
+        Field("aspects/*/corner", "int32", (2,), "px", "Column and row of the first height in the image"),
+        Field("aspects/*/area", "int64", (), "px", "Pixels in which the image shows the part"),
+        Field("load", "str", (), "", "What lifted the masks"),
+    ),
+)
+
+COMPONENTS = Kind(
+    "animal-components",
+    1,
+    "Where each part of an animal is: fields on one grid, negative inside, and the cameras of the images.",
+    (
+        *TREE,
+        Field("origin", "float64", (3,), "unit", "World position of the first grid point", domain=FINITE),
+        Field("spacing", "float64", (), "unit", "Side of a voxel", domain=POSITIVE),
+        Field(
+            "fields",
+            "float32",
+            ("p", "nx", "ny", "nz"),
+            "voxel",
+            "Of each part: carved by the labels, rounded by its aspect",
+            domain=FINITE,
+        ),
+        Field("images", "str", ("k",), "", "Name of each image of the reference pose"),
+        Field("rotations", "float64", ("k", 3, 3), "1", "cam_from_world of each image", domain=FINITE),
+        Field("scales", "float64", ("k",), "px/unit", "Scale of each image", domain=POSITIVE),
+        Field("shifts", "float64", ("k", 2), "px", "Column and row of the world's origin", domain=FINITE),
+    ),
+)
+
+MODEL = Kind(
+    "animal-model",
+    1,
+    "A closed surface of an animal whose faces know their part, and the images it was made from.",
+    (
+        *TREE,
+        Field("name", "str", (), "", "Name of the animal"),
+        Field("vertices", "float32", ("n", 3), "unit", "x forward, y to its left, z up", domain=FINITE),
+        Field("faces", "int32", ("m", 3), "", "Indices of vertices, counter-clockwise from outside"),
+        Field("face_part", "int16", ("m",), "", "Index of the part of each face"),
+        Field("seen_by", "uint16", ("n",), "", "Images that saw the vertex; 0: the model's guess"),
+        Field("images", "str", ("k",), "", "Name of each image of the reference pose"),
+        Field("views", "str", ("k",), "", "Name of its view; empty: found from the masks"),
+        Field("rotations", "float64", ("k", 3, 3), "1", "cam_from_world of each image", domain=FINITE),
+        Field("scales", "float64", ("k",), "px/unit", "Scale of each image", domain=POSITIVE),
+        Field("shifts", "float64", ("k", 2), "px", "Column and row of the world's origin", domain=FINITE),
+        Field("overlaps", "float64", ("k",), "1", "Share of pixels whose part agrees", domain=WEIGHT),
+        Field("part_overlaps", "float64", ("k", "p"), "1", "The same for each part; NaN where neither shows it",
+              domain=Domain("0 to 1, or NaN", 0.0, nan=True)),
+        Field("bodies/*/part", "int16", (), "", "Index of the part that this closed body is", optional=True),
+        Field("bodies/*/vertices", "float32", ("n", 3), "unit", "The part alone, closed", domain=FINITE, optional=True),
+        Field("bodies/*/faces", "int32", ("m", 3), "", "Indices of its vertices", optional=True),
+        Field("pictures/*/labels", "int16", ("h", "w"), "", "Part of each pixel + 1; 0 background", optional=True),
+        Field("pictures/*/rendered", "int16", ("h", "w"), "", "The same of the model", optional=True),
+        Field("pictures/*/picture", "uint8", ("h", "w", 3), "", "RGB", optional=True),
+        Field("warnings", "str", ("q",), "", "What is odd about the masks"),
+    ),
+)  # fmt: skip
+
+KINDS = (ASPECTS, COMPONENTS, MODEL)

@@ -1,0 +1,1 @@
+"""Stages of chapter 6: animals from part masks."""

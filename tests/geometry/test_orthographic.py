@@ -1,0 +1,54 @@
+"""Orthographic cameras: what is left and right of an animal, and that lifting undoes projecting."""
+
+import numpy as np
+import pytest
+
+from ipcli.geometry import orthographic as ortho
+
+HEAD, LEFT_SIDE, BACK = np.eye(3)  # a point ahead, one to the left, one above
+
+
+def pixel(view, point):
+    return ortho.Orthographic(ortho.named(view), 1.0, np.zeros(2)).project(point)
+
+
+@pytest.mark.parametrize("view", ortho.NAMED)
+def test_named_views_are_rotations(view):
+    r = ortho.named(view)
+    assert r @ r.T == pytest.approx(np.eye(3))
+    assert np.linalg.det(r) == pytest.approx(1.0)
+
+
+def test_the_head_is_where_a_viewer_sees_it():
+    assert pixel("left", HEAD)[0] == -1
+    assert pixel("right", HEAD)[0] == 1
+    assert pixel("front", LEFT_SIDE)[0] == 1
+    assert pixel("back", LEFT_SIDE)[0] == -1
+    assert all(pixel(view, BACK)[1] == -1 for view in ("left", "right", "front", "back"))
+
+
+@pytest.mark.parametrize(("azimuth", "view"), [(0, "front"), (90, "left"), (180, "back"), (270, "right")])
+def test_azimuths_of_the_named_views(azimuth, view):
+    assert ortho.looking(azimuth, 0.0) == pytest.approx(ortho.named(view), abs=1e-12)
+
+
+def test_lifting_undoes_projecting():
+    rng = np.random.default_rng(0)
+    camera = ortho.Orthographic(ortho.looking(33.0, 20.0, 10.0), 3.0, np.array([5.0, 7.0]))
+    points = rng.normal(size=(10, 3))
+    assert camera.lift(camera.project(points), camera.depth(points)) == pytest.approx(points)
+
+
+def test_turning_by_an_angle_turns_by_that_angle():
+    camera = ortho.Orthographic(ortho.named("left"), 1.0, np.zeros(2))
+    turned = camera.turned(np.radians([3.0, 0.0, 4.0]))
+    assert ortho.angle_between(camera.rotation, turned.rotation) == pytest.approx(5.0)
+
+
+def test_directions_cover_the_sphere():
+    d = ortho.fibonacci(1500)
+    assert np.linalg.norm(d, axis=1) == pytest.approx(np.ones(1500))
+    rng = np.random.default_rng(1)
+    probe = rng.normal(size=(200, 3))
+    probe /= np.linalg.norm(probe, axis=1, keepdims=True)
+    assert np.degrees(np.arccos((probe @ d.T).max(axis=1))).max() < 5

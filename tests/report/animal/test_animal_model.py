@@ -1,0 +1,50 @@
+"""The page of a model: what it says, what it escapes, that nothing is fetched."""
+
+import numpy as np
+import pytest
+
+from ipcli.report.animal import animal_model, surfaces
+from ipcli.report.kit.numbers import percent
+from tests.fixtures import limbs
+
+
+@pytest.fixture(scope="module")
+def arrays():
+    vertices, faces, labels = limbs.mesh(0.06)
+    images, cameras = zip(*limbs.shots(("left", "front"), 60), strict=True)
+    pictures = {f"pictures/{k:03d}/{key}": i.labels for k, i in enumerate(images) for key in ("labels", "rendered")}
+    return pictures | {
+        "name": np.array("<ox>"),
+        "parts": np.array(limbs.TREE.names),
+        "parents": np.array(limbs.TREE.parents, np.int16),
+        "vertices": vertices.astype(np.float32),
+        "faces": faces.astype(np.int32),
+        "face_part": labels - 1,
+        "seen_by": (vertices[:, 1] > 0).astype(np.uint16),
+        "images": np.array(["left", "front"]),
+        "views": np.array(["left", ""]),
+        "rotations": np.array([c.rotation for c in cameras]),
+        "scales": np.array([c.scale for c in cameras]),
+        "shifts": np.array([c.shift for c in cameras]),
+        "overlaps": np.array([0.91, 0.87]),
+        "part_overlaps": np.array([[0.9, 0.8, 0.7, np.nan], [0.9, 0.8, np.nan, 0.6]]),
+        "warnings": np.array(["head in left: 2 blobs"]),
+    }
+
+
+def test_the_page_says_how_well_it_fits_and_what_is_a_guess(arrays):
+    html = animal_model.page(arrays, {"output": "ox.h5", "digest": "d"})
+    assert percent(0.87) in html
+    assert "view found from the masks" in html
+    assert "head in left: 2 blobs" in html
+    assert 'href="ox.turn.html"' in html
+    assert "&lt;ox&gt;" in html
+    assert "<ox>" not in html
+    assert "<script" not in html
+    assert "http" not in html.replace("http://www.w3.org", "")
+
+
+def test_pictures_show_the_parts_in_their_colours(arrays):
+    shown = surfaces.painted_labels(arrays["pictures/000/labels"])
+    torso = arrays["pictures/000/labels"] == 1
+    assert (shown[torso] == surfaces.colours_of(0)).all()

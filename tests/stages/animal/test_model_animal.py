@@ -1,0 +1,30 @@
+"""The stage: heights come back from their artefact as they were, and a model keeps its size."""
+
+import numpy as np
+import pytest
+
+from ipcli.errors import ParameterError
+from ipcli.io.files import h5
+from ipcli.io.parts import project
+from ipcli.models.animal.aspects import lift_all
+from ipcli.models.animal.parameters import Inflation, Modelling
+from ipcli.stages.animal import model_animal
+from tests.fixtures import limbs
+
+
+def test_heights_come_back_from_their_artefact(tmp_path):
+    animal = project.read(limbs.write_project(tmp_path, longest=60))
+    params = Modelling(Inflation(triangles=100))
+    arrays = model_animal.aspects_artefact(animal, params, lambda share, what: None)
+    h5.write(tmp_path / "a.h5", "animal-aspects", arrays, {})
+    found = model_animal.read_heights(tmp_path / "a.h5", {image.name: image for image in animal.images})
+    lifted = lift_all(animal.images, animal.tree, params.inflation)
+    assert found.keys() == lifted.keys()
+    for key, heights in found.items():
+        inside = lifted[key].mask
+        assert np.array_equal(heights[inside], lifted[key].picture[inside])
+
+
+def test_an_output_that_is_no_model_is_refused(tmp_path):
+    with pytest.raises(ParameterError, match=r"\.glb"):
+        model_animal.check_suffix(tmp_path / "a.fbx")
