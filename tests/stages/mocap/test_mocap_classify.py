@@ -78,6 +78,6 @@ def test_where_no_group_is_ever_seen_whole_there_is_no_answer(model, tmp_path):
     ends = [n for n, name in enumerate(names) if name == "head" or name.endswith(("hand", "foot"))]
     positions[1::2, ends] = np.nan
     torn = replace(torn, motion=replace(torn.motion, positions=positions, rotations=None))
-    with pytest.raises(NoSolution, match="no frame of any clip shows any group of joints whole"):
+    with pytest.raises(NoSolution, match="asked.clips.h5: no frame shows any group of joints whole"):
         classify(model, tmp_path, [torn])
     assert not (tmp_path / "y.recognition.h5").exists()
