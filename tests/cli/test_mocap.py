@@ -64,7 +64,10 @@ def test_the_model_is_sound_and_a_page_stands_beside_it(place):
     np.add.at(shares, (found["behaviour_action"], found["behaviour_group"]), found["behaviour_share"])
     np.testing.assert_allclose(shares, 1)
     assert list(found["groups"][-2:]) == ["body", "motion"]
-    assert (place / "model.html").read_text().startswith("<!doctype html>")
+    page = (place / "model.html").read_text(encoding="utf-8")
+    assert page.startswith("<!doctype html>")
+    assert page.rstrip().endswith("</html>")
+    assert all(f">{name}<" in page for name in (*found["actions"], *found["groups"]))
     assert not [path for path in place.iterdir() if path.name.startswith(".")]
 
 

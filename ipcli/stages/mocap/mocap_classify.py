@@ -80,13 +80,21 @@ def recognition_arrays(
     body = behaviours.body_of_arrays(stored.arrays, path.name)
     known = of_people(read(paths, params.reading, body.groups, body.skeleton), params.actors)
     progress(0.2, "features")
-    return recognised_arrays(stored, known, params, seed, progress)
+    return recognised_arrays(stored, known, params, seed, progress, where=str(paths[0]))
 
 
 def recognised_arrays(
-    stored: Artefact, known: Motions, params: MocapClassify, seed: int, progress: Progress = silent
+    stored: Artefact,
+    known: Motions,
+    params: MocapClassify,
+    seed: int,
+    progress: Progress = silent,
+    where: str = "",
 ) -> dict[str, np.ndarray]:
-    """Ask a `behaviours` artefact about motions of its skeleton; the arrays of the `action-recognition` artefact."""
+    """Ask a `behaviours` artefact about motions of its skeleton; the arrays of the `action-recognition` artefact.
+
+    Raises NoSolution, naming `where` the clips are from or else the first of them, if no frame shows a group whole.
+    """
     model, body = behaviours.of_arrays(stored.arrays), behaviours.body_of_arrays(stored.arrays, "model")
     settings = resolve(Features, flags=stored.provenance["params"]["learning"]["features"])
     density = recognition.log_densities(model, known.features(body.lengths, settings))
@@ -94,7 +102,7 @@ def recognised_arrays(
         density = recognition.poses_alone(model, density)
     if not np.isfinite(density).any():
         raise NoSolution(
-            f"{known.clips[0].name}: no frame of any clip shows any group of joints whole. The model needs "
+            f"{where or known.clips[0].name}: no frame shows any group of joints whole. The model needs "
             f"{', '.join(model.groups)}"
         )
     progress(0.7, "answers")

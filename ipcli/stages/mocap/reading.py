@@ -9,7 +9,7 @@ import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
 from ipcli.geometry.skeleton import Groups, Skeleton
-from ipcli.io.motion.groups import find
+from ipcli.io.motion import groups as joint_groups
 from ipcli.io.motion.layouts import open_clips
 from ipcli.measurements.motions import Clip, Clips, resample_clip
 from ipcli.models.mocap.features import height
@@ -55,7 +55,7 @@ def gather(
     if not clips:
         raise FormatError(sources[0][0], "no clips", fix="Check the folder")
     _check_names(sources[-1][0], clips)
-    groups = find(groups, clips[0].motion.skeleton) if isinstance(groups, str) else groups
+    groups = joint_groups.find(groups, clips[0].motion.skeleton) if isinstance(groups, str) else groups
     for clip in clips:
         _check_height(clip, groups)
     return Motions(tuple(clips), groups, splits)

@@ -236,19 +236,40 @@ def test_a_group_that_is_never_seen_is_refused(asked):
         training.train(x, asked[1], NAMES, QUICK, np.random.default_rng(0))
 
 
-def test_printed_features_can_be_learnt_too():
+def recalls(settings, decision):
+    """Share of the frames of each action, of people who were learnt from, that are named right."""
+    x, action, _ = collected(settings.features, range(3))
+    model = training.train(x, action, NAMES, settings, np.random.default_rng(0))
+    assert model.groups == tuple(GROUPS.parts)
+    answer = recognition.frame_posteriors(model, recognition.log_densities(model, x), decision).argmax(axis=1)
+    return {name: (answer[action == number] == number).mean() for number, name in enumerate(NAMES)}
+
+
+def test_printed_features_see_a_group_change_its_shape_and_not_that_it_turns_as_a_whole():
+    """Who bows bends the trunk. Who waves or kicks turns a whole limb, which stays the same in its own mean frame: the
+    two are guessed between. Measured over seeds 0 to 5 by the product: bow .94 to .98, wave and kick .98 to 1.02
+    together (a coin toss is 1); with the aligned features of poses, every action .95 or more.
+    """
+    how = {"projection": "standard", "body": False, "motion": 0.0}
+    printed, aligned = (
+        Learning(frames=60, spread=0.0, features=Features(kind=kind, **how), mixture=Mixture(sweeps=6, burn_in=3))
+        for kind in ("thesis", "aligned")
+    )
+    found = recalls(printed, Decision())
+    assert found["bow"] > 0.9
+    assert found["wave"] + found["kick"] == pytest.approx(1, abs=0.1)
+    assert min(recalls(aligned, Decision()).values()) > 0.9
+
+
+def test_printed_features_and_preferences_tell_more_than_chance():
     settings = Learning(
         frames=60,
         spread=0.0,
         features=Features(kind="thesis", projection="standard", body=False),
         mixture=Mixture(sweeps=6, burn_in=3),
     )
-    x, action, _ = collected(settings.features, range(3))
-    model = training.train(x, action, NAMES, settings, np.random.default_rng(0))
-    assert model.groups == tuple(GROUPS.parts)
-    decision = Decision(rule="preferences")
-    posterior = recognition.frame_posteriors(model, recognition.log_densities(model, x), decision)
-    assert (posterior.argmax(axis=1) == action).mean() > 0.5  # of frames that were learnt from; by chance 0.33
+    found = recalls(settings, Decision(rule="preferences"))
+    assert np.mean([*found.values()]) > 0.5  # 120 frames each; by chance 1 / 3, with a standard deviation of .025
 
 
 def test_preferences_that_are_no_weights_are_refused(learnt):

@@ -1,0 +1,83 @@
+"""mocap-classify writes answers and a table of them, and says so when there is nothing to answer by."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ipcli import schema
+from ipcli.errors import NoSolution, ParameterError
+from ipcli.inverse.bayes.parameters import Mixture
+from ipcli.io.files import h5
+from ipcli.models.mocap.parameters import Learning
+from ipcli.params import Run
+from ipcli.stages.kit.artefact import Outcome
+from ipcli.stages.mocap import mocap_classify, mocap_train
+from ipcli.stages.mocap.parameters import MocapClassify, MocapTrain
+from tests.fixtures.mocap_clips import clip, every, take, write, write_groups
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("model")
+    source = write(folder / "a.clips.h5", every())
+    learning = Learning(frames=60, mixture=Mixture(sweeps=8, burn_in=4, thin=2))
+    params = MocapTrain(
+        groups=str(write_groups(folder / "groups.toml")), actors=("ann", "bob", "cyd"), learning=learning
+    )
+    assert mocap_train.run([source], folder / "x.model.h5", params, Run()) is Outcome.DONE
+    return folder / "x.model.h5"
+
+
+def classify(model, folder, clips, **given):
+    source = write(folder / "asked.clips.h5", clips)
+    return mocap_classify.run(model, [source], folder / "y.recognition.h5", MocapClassify(**given), Run())
+
+
+def test_answers_are_those_of_the_artefact_and_of_the_table(model, tmp_path):
+    asked = [clip("kick", 3), clip("wave", 3)]
+    assert classify(model, tmp_path, asked) is Outcome.DONE
+    found = h5.read(tmp_path / "y.recognition.h5", "action-recognition").arrays
+    schema.validate(schema.kind("action-recognition"), found)
+    told = mocap_classify.answers(tmp_path / "y.recognition.h5")
+    assert [answer["answer"] for answer in told] == ["kick", "wave"]
+    assert [answer["posterior"] for answer in told] == found["posterior"].max(axis=1).tolist()
+    lines = (tmp_path / "y.recognition.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "clip,start_s,end_s,action,posterior"
+    expected = [f"{a['clip']},0.000,0.800,{a['answer']},{a['posterior']:.4f}" for a in told]
+    assert lines[1:] == expected
+
+
+def test_of_windows_the_table_has_the_segments(model, tmp_path):
+    classify(model, tmp_path, [take()], window=0.5, none=False)
+    found = h5.read(tmp_path / "y.recognition.h5", "action-recognition").arrays
+    lines = (tmp_path / "y.recognition.csv").read_text(encoding="utf-8").splitlines()
+    assert [line.split(",")[3] for line in lines[1:]] == found["segment_answer"].tolist()
+    assert len(found["answers"]) > len(found["segment_answer"])
+    assert float(found["segment_time"][-1, 1]) == pytest.approx(4.5)
+
+
+def test_unordered_frames_are_asked_about_by_their_poses_alone(model, tmp_path):
+    classify(model, tmp_path, [clip("kick", 3)], unordered=4, draws=3)
+    found = h5.read(tmp_path / "y.recognition.h5", "action-recognition").arrays
+    assert str(found["queries"]) == "unordered"
+    assert found["frames"].tolist() == [4, 4, 4]
+    assert np.isnan(found["group_posterior"][:, found["groups"].tolist().index("motion")]).all()
+
+
+def test_a_window_has_all_its_frames(model, tmp_path):
+    with pytest.raises(ParameterError, match="exclude each other"):
+        classify(model, tmp_path, [take()], window=1.0, unordered=3)
+
+
+def test_where_no_group_is_ever_seen_whole_there_is_no_answer(model, tmp_path):
+    """Every bone is seen at times, so that the body has a height, but in no frame all joints of a group."""
+    torn = clip("kick", 3)
+    positions, names = torn.motion.positions.copy(), torn.motion.skeleton.joints
+    positions[::2, names.index("hips")] = np.nan
+    ends = [n for n, name in enumerate(names) if name == "head" or name.endswith(("hand", "foot"))]
+    positions[1::2, ends] = np.nan
+    torn = replace(torn, motion=replace(torn.motion, positions=positions, rotations=None))
+    with pytest.raises(NoSolution, match="asked.clips.h5: no frame shows any group of joints whole"):
+        classify(model, tmp_path, [torn])
+    assert not (tmp_path / "y.recognition.h5").exists()
