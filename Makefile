@@ -19,8 +19,12 @@ demo: $(INSTALLED)
 	$(BIN)/mocap-train sample_data/motions --actors ann,bob $(FEW_SWEEPS) -o $(DEMO)/motions.model.h5
 	$(BIN)/mocap-classify $(DEMO)/motions.model.h5 sample_data/motions --actors eve -o $(DEMO)/motions.recognition.h5
 	$(BIN)/model-animal sample_data/animal/standing.toml -o $(DEMO)/animal.glb
-	@echo "Open in a browser: where somebody walked and looked, a fused depth map, an animal, behaviours of people, and the actions of somebody who was not learnt from"
-	@for page in room.gaze shapes.fused animal motions.model motions.recognition; do echo "  $(CURDIR)/$(DEMO)/$$page.html"; done
+	$(BIN)/brdf-train sample_data/brdf/materials.toml --scenes 120 --pictures 40 -o $(DEMO)/materials.h5
+	$(BIN)/brdf-model $(DEMO)/materials.h5 sample_data/brdf/vase.png --mask sample_data/brdf/vase.mask.png \
+	    --true-height sample_data/brdf/vase.height.npz -o $(DEMO)/vase.h5
+	@echo "Open in a browser: where somebody walked and looked, a fused depth map, an animal, a vase in a photograph,"
+	@echo "behaviours of people, and the actions of somebody who was not learnt from"
+	@for page in room.gaze shapes.fused animal vase motions.model motions.recognition; do echo "  $(CURDIR)/$(DEMO)/$$page.html"; done
 
 test: $(INSTALLED)
 	$(PYTEST)

@@ -1,6 +1,4 @@
-"""Write docs/pictures/*.jpg from the demo's fused map and model of actions: `make demo`, then `python
-tools/make_pictures.py`.
-"""
+"""Write docs/pictures/*.jpg from what the demo made: `make demo`, then `python tools/make_pictures.py`."""
 
 import sys
 from pathlib import Path
@@ -10,6 +8,9 @@ import numpy as np
 
 from ipcli.geometry.surface import normals
 from ipcli.io.files import atomic, h5
+from ipcli.report.animal import surfaces
+from ipcli.report.brdf import relief
+from ipcli.report.gaze.panorama import panorama
 from ipcli.report.kit import pictures, surface
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -88,6 +89,30 @@ def drawn(
     return image
 
 
+def object_in_a_photograph(arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """The photograph, its normals as colours, and the relief under two lamps, RGB."""
+    mask = arrays["mask"] > 0
+    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    box = slice(rows[0] - 4, rows[-1] + 5), slice(columns[0] - 4, columns[-1] + 5)
+    found = arrays["normals"][box].astype(np.float64)
+    lamps = np.array([[-0.6, 0.4, 0.7], [0.6, 0.4, 0.7]]) / np.linalg.norm([0.6, 0.4, 0.7])
+    cells = [arrays["picture"][box], relief.as_colours(found), *(relief.lit(found, lamp) for lamp in lamps)]
+    return np.hstack([enlarged(cell, 300) for cell in cells])
+
+
+def animal(arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """The model from around, its parts in colours, RGB."""
+    colours = surfaces.colours_of(arrays["face_part"])
+    shots = surfaces.turntable(arrays["vertices"].astype(np.float64), arrays["faces"], colours, 4, 260)
+    return np.hstack(shots)
+
+
+def enlarged(picture: np.ndarray, height: int) -> np.ndarray:
+    """A picture of that height."""
+    width = round(picture.shape[1] * height / picture.shape[0])
+    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
+
+
 def write(name: str, picture: np.ndarray) -> None:
     """A BGR picture as docs/pictures/NAME.jpg."""
     _, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 88])
@@ -98,4 +123,8 @@ if __name__ == "__main__":
     if not (DEMO / "motions.model.h5").is_file():
         sys.exit(f"{DEMO}: not there. Run `make demo` first")
     write("fuse-depth", montage(h5.read(DEMO / "shapes.fused.h5", "fused-depth").arrays)[..., ::-1])
+    gaze = panorama(h5.read(DEMO / "room.gaze.h5", "gaze-experiment").arrays)
+    write("gaze-sfm", enlarged(gaze, 320)[..., ::-1])
+    write("model-animal", animal(h5.read(DEMO / "animal.h5", "animal-model").arrays)[..., ::-1])
+    write("brdf-model", object_in_a_photograph(h5.read(DEMO / "vase.h5", "brdf-object").arrays)[..., ::-1])
     write("mocap-train", behaviours(h5.read(DEMO / "motions.model.h5", "behaviours").arrays))

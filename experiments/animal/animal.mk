@@ -7,5 +7,5 @@
 .PHONY: experiments/animal-animals
 
 experiments/animal-animals: $(INSTALLED)
-	$(BIN)/python -m experiments.animal.animals build/experiments/animal-animals$(if $(QUICK),-quick)/index.html \
-	    --data $(or $(DATA),$(IPCLI_DATA),../shared/data) --cache build/meshes/animal $(if $(QUICK),--quick)
+	$(BIN)/python -m experiments.animal.page $(QUICKLY) build/experiments/animal-animals$(SUFFIX)/index.html \
+	    --data $(DATA) --cache build/meshes/animal

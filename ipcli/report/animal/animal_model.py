@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import PurePath
 
 import numpy as np
 
 from ipcli.report.animal import surfaces
 from ipcli.report.kit import pictures
 from ipcli.report.kit.numbers import percent
-from ipcli.report.kit.page import Markup, columns_for, element, figure, gallery, join, meter, notice, section, table
+from ipcli.report.kit.page import (
+    Markup,
+    columns_for,
+    details,
+    element,
+    figure,
+    gallery,
+    join,
+    meter,
+    notice,
+    section,
+    table,
+)
 from ipcli.report.kit.page import page as document
 from ipcli.report.kit.pictures import photograph
 from ipcli.report.kit.provenance import origin
@@ -25,13 +36,21 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
         f"Model of {arrays['name']}",
         "ipcli model-animal",
         _verdict(arrays),
-        *(notice(text) for text in arrays["warnings"].tolist()),
-        _turning(arrays, provenance, widest),
+        _warnings(arrays["warnings"].tolist()),
+        _turning(arrays, widest),
         _images(arrays, widest),
         _unseen(arrays, widest),
         _parts(arrays),
         origin(provenance),
     )
+
+
+def _warnings(texts: list[str]) -> Markup:
+    """What the masks lack, folded away where it is much."""
+    if len(texts) < 4:
+        return join(*map(notice, texts))
+    summary = f"{len(texts)} masks tell no shape, or only a part of one"
+    return details(summary, element("ul", *(element("li", text) for text in texts)))
 
 
 def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
@@ -44,17 +63,18 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
     )
 
 
-def _turning(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], widest: int) -> Markup:
+def _turning(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
     colours = surfaces.colours_of(arrays["face_part"])
     longest = min(LONGEST, widest)
     shots = surfaces.turntable(arrays["vertices"].astype(np.float64), arrays["faces"], colours, AROUND, longest)
     shown = [figure(photograph(shot, widest), f"{(45 + 360 * k // AROUND) % 360}°") for k, shot in enumerate(shots)]
     aspect = shots[0].shape[1] / shots[0].shape[0]
-    stem = PurePath(str(provenance.get("output", ""))).stem
-    link = element("p", element("a", "Turn the model", href=f"{stem}.turn.html")) if stem else join()
-    lead = "From around, 15° from above; 0° is in front of the animal, 90° to its left."
+    lead = (
+        "From around, 15° from above; 0° is in front of the animal, 90° to its left. The page X.turn.html beside this "
+        "one shows the same to be turned."
+    )
     return section(
-        "The model", link, gallery(*shown, columns=columns_for(aspect, AROUND, small=True)), _legend(arrays), lead=lead
+        "The model", gallery(*shown, columns=columns_for(aspect, AROUND, small=True)), _legend(arrays), lead=lead
     )
 
 

@@ -1,4 +1,4 @@
-"""Table 6.2 and table 6.1: every animal, several methods, `python -m experiments.animal.animals OUT.html`.
+"""Table 6.2 and table 6.1: every animal, several methods, `python -m experiments.animal.page OUT.html`.
 
 A trial is one file beside the page; one that is there is not done again.
 """
