@@ -19,4 +19,4 @@ $(BRDF_LIBRARY): $(BRDF_LIST) $(INSTALLED)
 	$(BIN)/ipcli brdf-train $< $(BRDF_EFFORT) --executor $(EXECUTOR) -o $@ --overwrite
 
 build/experiments/brdf-%$(SUFFIX)/index.html: $(BRDF_LIBRARY) experiments/brdf/page.py experiments/brdf/scenes.py
-	$(BIN)/python -m experiments.brdf.page $* --library $< --data $(DATA) $(QUICKLY) -o $(@D)
+	$(BIN)/python -m experiments.brdf.page $(QUICKLY) $* --library $< --data $(DATA) -o $(@D)
