@@ -109,19 +109,6 @@ WITHOUT_MIRROR = {
     "ipcli.stages.gaze.gaze_views",
     "ipcli.stages.gaze.import_recording",
     "ipcli.stages.gaze.sources",
-    "ipcli.io.files.seal",
-    "ipcli.errors",
-    "ipcli.geometry.skeleton",
-    "ipcli.io.files.archive",
-    "ipcli.io.files.text",
-    "ipcli.io.motion.artefact",
-    "ipcli.io.motion.kinect",
-    "ipcli.io.motion.layouts",
-    "ipcli.io.motion.quaternions",
-    "ipcli.io.sources",
-    "ipcli.io.views.artefact",
-    "ipcli.measurements.motions",
-    "ipcli.progress",
     "ipcli.report.fusion.accuracy",
     "ipcli.report.fusion.fused_depth",
     "ipcli.report.fusion.fusion_cloud",
@@ -136,8 +123,6 @@ WITHOUT_MIRROR = {
     "ipcli.report.mocap.action_recognition",
     "ipcli.report.mocap.behaviours",
     "ipcli.stages.fusion.sources",
-    "ipcli.stages.kit.info",
-    "ipcli.stages.kit.pages",
 }
 
 

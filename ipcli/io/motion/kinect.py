@@ -196,7 +196,8 @@ def _load(path: Path, variable: str) -> np.ndarray:
     from scipy.io import loadmat
 
     try:
-        content = loadmat(path)
+        with path.open("rb") as file:  # by name, scipy would not tell that there is none
+            content = loadmat(file)
     except FileNotFoundError:
         raise FormatError(path, "no such file", fix="Add it to the folder") from None
     except Exception as error:  # scipy raises anything on a damaged file
