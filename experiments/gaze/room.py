@@ -195,15 +195,20 @@ def _inside(origin: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.ndarra
     """Where rays leave the room."""
     far = np.where(rays > 0, (ROOM[1] - origin) / rays, (ROOM[0] - origin) / rays)
     axis = far.argmin(axis=-1)
-    return far.min(axis=-1), 2 * axis + (np.take_along_axis(rays, axis[..., None], -1)[..., 0] > 0)
+    return _least(far), 2 * axis + (np.take_along_axis(rays, axis[..., None], -1)[..., 0] > 0)
 
 
 def _outside(origin: np.ndarray, rays: np.ndarray, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where rays enter a box; infinite when they miss it."""
     a, b = (box[0] - origin) / rays, (box[1] - origin) / rays
     near, far = np.minimum(a, b), np.maximum(a, b)
-    enter = near.max(axis=-1)
-    return np.where((enter < far.min(axis=-1)) & (enter > 0), enter, np.inf), near.argmax(axis=-1)
+    enter = -_least(-near)
+    return np.where((enter < _least(far)) & (enter > 0), enter, np.inf), near.argmax(axis=-1)
+
+
+def _least(values: np.ndarray) -> np.ndarray:
+    """The least of x, y and z: several times as quick as min over an axis of three."""
+    return np.minimum(np.minimum(values[..., 0], values[..., 1]), values[..., 2])
 
 
 @cache

@@ -3,15 +3,14 @@
 from pathlib import Path
 
 from ipcli.cli.main import main
-from tests.fixtures.brdf_scenes import LIST, QUICK
+from tests.fixtures.brdf_scenes import LIST, QUICK, library
 
 
 def test_the_list_that_ships_needs_no_other_file(tmp_path: Path):
-    a, b = tmp_path / "a.h5", tmp_path / "b.h5"
-    for output in (a, b):
-        assert main(["brdf-train", str(LIST), *QUICK, "-o", str(output), "--quiet"]) == 0
+    a, b = library(tmp_path / "a.h5"), tmp_path / "b.h5"
+    assert main(["brdf-train", str(LIST), *QUICK, "-o", str(b), "--quiet"]) == 0
     assert a.read_bytes() == b.read_bytes()
-    assert "told right" in a.with_suffix(".html").read_text(encoding="utf-8")
+    assert "told right" in b.with_suffix(".html").read_text(encoding="utf-8")
 
 
 def test_a_probe_that_is_none_fails_in_one_line(tmp_path: Path, capsys):
