@@ -76,7 +76,6 @@ WITHOUT_PAGE = {
 }
 # Modules whose tests do not lie where the mirror would have them.
 WITHOUT_MIRROR = {
-    "ipcli.geometry.alignment",
     "ipcli.io.gaze.aria",
     "ipcli.io.gaze.artefact",
     "ipcli.io.gaze.boof",
@@ -86,7 +85,6 @@ WITHOUT_MIRROR = {
     "ipcli.io.gaze.pictures",
     "ipcli.io.gaze.rgbd",
     "ipcli.io.gaze.trajectories",
-    "ipcli.kernels.bundle",
     "ipcli.measurements.recording",
     "ipcli.models.gaze.adjustment",
     "ipcli.models.gaze.attention",
@@ -116,13 +114,9 @@ WITHOUT_MIRROR = {
     "ipcli.report.fusion.fusion_trials",
     "ipcli.report.fusion.fusion_tuning",
     "ipcli.report.fusion.views",
-    "ipcli.report.kit.page",
-    "ipcli.report.kit.provenance",
-    "ipcli.report.kit.style",
     "ipcli.report.mocap.action_evaluation",
     "ipcli.report.mocap.action_recognition",
     "ipcli.report.mocap.behaviours",
-    "ipcli.stages.fusion.sources",
 }
 
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from ipcli.geometry import lie
-from ipcli.geometry.alignment import align
 from ipcli.geometry.rig import Rig
 
 
@@ -42,17 +41,3 @@ def test_distorted_and_undistorted_are_inverse_with_an_offset_too():
     for camera in range(2):
         assert np.allclose(r.distorted(camera, r.undistorted(camera, pixels)), pixels, atol=1e-6)
     assert np.allclose(rig().undistorted(1, pixels) - r.undistorted(1, pixels), [0.4, 0])
-
-
-def test_alignment_recovers_a_similarity_and_leaves_nan_out():
-    rng = np.random.default_rng(2)
-    a = rng.normal(size=(20, 3))
-    turn = lie.exp(np.array([0.3, -1.0, 0.4]))
-    b = 1.7 * a @ turn.T + [1, 2, 3]
-    b[4] = np.nan
-    found = align(a, b, with_scale=True)
-    assert np.isclose(found.scale, 1.7)
-    assert np.allclose(found.rotation, turn)
-    assert found.rmse < 1e-12
-    assert np.isnan(found.errors[4])
-    assert align(a, b, with_scale=False).rmse > 0.3
