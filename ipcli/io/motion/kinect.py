@@ -195,11 +195,10 @@ def _splits(path: Path, subjects: Sequence[int]) -> dict[str, np.ndarray]:
 def _load(path: Path, variable: str) -> np.ndarray:
     from scipy.io import loadmat
 
+    if not path.is_file():  # scipy does not tell it from a damaged one
+        raise FormatError(path, "no such file", fix="Add it to the folder")
     try:
-        with path.open("rb") as file:  # by name, scipy would not tell that there is none
-            content = loadmat(file)
-    except FileNotFoundError:
-        raise FormatError(path, "no such file", fix="Add it to the folder") from None
+        content = loadmat(path)
     except Exception as error:  # scipy raises anything on a damaged file
         raise FormatError(path, f"not a readable MATLAB file: {' '.join(str(error).split())}", fix=DAMAGED) from None
     if variable not in content:
