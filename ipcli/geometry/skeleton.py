@@ -16,8 +16,6 @@ import numpy as np
 from ipcli.errors import FormatError, ParameterError, nearest
 
 NO_PARENT = -1
-RIGID_TOLERANCE = 1e-3  # largest |R^T R - I| entry of a rotation given by a file
-TRAIN, TEST = 1, 2  # entries of a published split; 0 is neither
 
 
 @dataclass(frozen=True)
