@@ -48,6 +48,15 @@ COMPONENTS = Kind(
         Field("rotations", "float64", ("k", 3, 3), "1", "cam_from_world of each image", domain=FINITE),
         Field("scales", "float64", ("k",), "px/unit", "Scale of each image", domain=POSITIVE),
         Field("shifts", "float64", ("k", 2), "px", "Column and row of the world's origin", domain=FINITE),
+        Field(
+            "bent_overlap",
+            "float64",
+            (),
+            "1",
+            "Overlap of the labels of the other pose's model, bent, with the images; absent where none was bent",
+            optional=True,
+            domain=WEIGHT,
+        ),
     ),
 )
 

@@ -8,6 +8,7 @@ from ipcli.params import option
 
 LOADS = ("sqrt-poisson", "steep", "printed", "constant")
 MERGES = ("hull", "clip")
+OTHER_POSES = ("bend", "ignore")
 
 
 @dataclass(frozen=True)
@@ -47,5 +48,11 @@ class Volume:
 class Modelling:
     """Everything that shapes a model."""
 
+    other_pose: str = option(
+        "bend",
+        "Images of another pose: a model of them is bent into the reference pose to give the parts their shape.",
+        flag="--other-pose",
+        choices=OTHER_POSES,
+    )
     inflation: Inflation = field(default_factory=Inflation)
     volume: Volume = field(default_factory=Volume)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -39,10 +39,21 @@ def model(
 ) -> PartedSurface:
     """One surface from images of one pose with their cameras. NoSolution if the silhouettes have nothing in common."""
     lifted = {key: aspect.picture for key, aspect in lift_all(images, tree, params.inflation).items()}
-    grid = grid_of(images, cameras, params.volume.voxels)
+    fields, shots, grid = parts_of(images, cameras, tree, lifted, params.volume.voxels)
+    return surface(fields, shots, grid, params.volume)
+
+
+def parts_of(
+    images: Sequence[PartImage],
+    cameras: Sequence[Orthographic],
+    tree: PartTree,
+    heights: Mapping[tuple[str, int], np.ndarray],
+    voxels: int,
+) -> tuple[list[np.ndarray], list[Shot], VoxelGrid]:
+    """The field of each part, from images of one pose and the half thickness (h, w) of each part in each of them."""
+    grid = grid_of(images, cameras, voxels)
     shots = shots_of(images, cameras, grid)
-    carved = carve(shots, tree)
-    return surface(rounded(carved, shots, lifted), shots, grid, params.volume)
+    return rounded(carve(shots, tree), shots, heights), shots, grid
 
 
 def shots_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], grid: VoxelGrid) -> list[Shot]:

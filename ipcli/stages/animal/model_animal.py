@@ -24,9 +24,9 @@ from ipcli.io.parts.project import Project
 from ipcli.measurements.part_images import PartImage, oddities
 from ipcli.models.animal import whole
 from ipcli.models.animal.aspects import lift_all
-from ipcli.models.animal.parameters import Inflation, Modelling
-from ipcli.models.animal.parts import carve, rounded
+from ipcli.models.animal.parameters import Inflation, Modelling, Volume
 from ipcli.models.animal.placing import placed
+from ipcli.models.animal.reposed import reposed, tells_shape
 from ipcli.params import Run
 from ipcli.stages.animal.output import side_files
 from ipcli.stages.animal.parameters import ModelAnimal
@@ -37,6 +37,7 @@ log = logging.getLogger(__name__)
 
 Arrays = dict[str, np.ndarray]
 Tell = Callable[[float, str], None]
+LEAST_OVERLAP = 0.6  # of a bent model with the images, below which it deserves a look
 CLIP = 8.0  # voxels beyond which fields are not kept
 
 
@@ -51,7 +52,8 @@ class Lifting:
 class Placing:
     """Parameters of the second step."""
 
-    voxels: int
+    volume: Volume
+    other_pose: str
 
 
 def run(
@@ -76,7 +78,7 @@ def run(
                  partial(aspects_artefact, animal, params.modelling, _part(progress, 0.0, 0.3)), run)  # fmt: skip
     if params.stop_after == "aspects":
         return aspects, done
-    placing = Placing(params.modelling.volume.voxels)
+    placing = Placing(params.modelling.volume, params.modelling.other_pose)
     done = _make(Job(components, "animal-components", "model-animal", placing, (*animal.files, aspects)),
                  partial(components_artefact, animal, aspects, params.modelling, _part(progress, 0.3, 0.7)),
                  run)  # fmt: skip
@@ -139,12 +141,22 @@ def components_artefact(animal: Project, aspects: Path, params: Modelling, tell:
     heights = read_heights(aspects, {image.name: image for image in animal.images})
     tell(0.1, "cameras")
     cameras = placed(images, animal.tree, params)
-    tell(0.3, "carving")
-    grid = whole.grid_of(images, cameras, params.volume.voxels)
-    shots = whole.shots_of(images, cameras, grid)
-    carved = carve(shots, animal.tree)
-    tell(0.8, "rounding")
-    fields = rounded(carved, shots, heights)
+    tell(0.3, "carving and rounding")
+    fields, shots, grid = whole.parts_of(images, cameras, animal.tree, heights, params.volume.voxels)
+    others = [image for image in animal.images if not image.is_reference]
+    bent: Arrays = {}
+    if others and params.other_pose == "bend" and not tells_shape(others):
+        log.warning(
+            '%s: pose = "other" gives shape only with names of views along two lines, left and top say', animal.name
+        )
+    elif others and params.other_pose == "bend":
+        fields, overlap = reposed(others, shots, grid, fields, animal.tree, heights, params, _part(tell, 0.4, 1.0))
+        if overlap < LEAST_OVERLAP:
+            log.warning(
+                "%s: the other pose, bent, covers only %.0f %% of the reference pose's parts; see whether --other-pose "
+                "ignore gives a better model", animal.name, 100 * overlap,
+            )  # fmt: skip
+        bent = {"bent_overlap": np.array(overlap)}
     return (
         _tree(animal)
         | {
@@ -153,6 +165,7 @@ def components_artefact(animal: Project, aspects: Path, params: Modelling, tell:
             "fields": np.clip(fields, -CLIP, CLIP).astype(np.float32),
         }
         | _cameras(images, cameras)
+        | bent
     )
 
 

@@ -1,0 +1,114 @@
+"""Draw a surface to the outlines of labelled images: rims of each part go to the outline of that part, and the rest of
+the surface follows as smoothly as it can.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ipcli.geometry.orthographic import Orthographic
+from ipcli.geometry.voxels import signed_distance
+from ipcli.measurements.part_images import PartImage
+
+LENGTHS = (0.04, 0.01)  # of the size, over which the surface follows: in the first round and in the last
+GRAZING = 0.35  # cosine between normal and view below which a vertex may be on the rim
+REACH = 0.06  # of the size: outlines farther away do not pull
+
+
+def pulled(
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    part: np.ndarray,
+    images: Sequence[PartImage],
+    cameras: Sequence[Orthographic],
+    rounds: int = 6,
+) -> np.ndarray:
+    """Vertices (n, 3) of a mesh whose vertices belong to parts (n,), moved so that it ends where the images' parts end.
+
+    Each round finds the rims anew and moves them; what is moved least bends (a bi-Laplacian on the displacement).
+    """
+    import igl
+
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    outlines = [_outlines(image) for image in images]
+    corners = np.ascontiguousarray(faces, np.int64)
+    for length in np.geomspace(*LENGTHS, rounds):
+        normals = igl.per_vertex_normals(np.ascontiguousarray(vertices), corners)
+        wanted, told = np.zeros_like(vertices), np.zeros(len(vertices))
+        for image, camera, outline in zip(images, cameras, outlines, strict=True):
+            _ask(vertices, normals, part, image, camera, outline, size, wanted, told)
+        if not told.any():
+            return vertices
+        wanted /= np.maximum(told, 1.0)[:, None]
+        vertices = vertices + _smoothly(vertices, corners, wanted, told > 0, length * size)
+    return vertices
+
+
+def _outlines(image: PartImage) -> dict[int, np.ndarray]:
+    """Pixels (m, 2) of each part as (column, row) that lie beside the background."""
+    from scipy.ndimage import binary_dilation
+
+    beside = binary_dilation(~image.silhouette)
+    found = {}
+    for part in np.unique(image.labels[image.labels > 0]) - 1:
+        rows, columns = np.nonzero(image.mask(int(part)) & beside)
+        if len(rows):
+            found[int(part)] = np.stack([columns, rows], axis=1).astype(np.float64)
+    return found
+
+
+def _ask(
+    vertices: np.ndarray,
+    normals: np.ndarray,
+    part: np.ndarray,
+    image: PartImage,
+    camera: Orthographic,
+    outlines: dict[int, np.ndarray],
+    size: float,
+    wanted: np.ndarray,
+    told: np.ndarray,
+) -> None:
+    """Add to `wanted` (n, 3) and `told` (n,) how an image wants the rim to move and how often."""
+    from scipy.spatial import cKDTree
+
+    at = camera.project(vertices)
+    grazing = np.abs(normals @ camera.direction) < GRAZING
+    reach = REACH * size * camera.scale
+    for k, outline in outlines.items():
+        rim = np.flatnonzero(grazing & (part == k))
+        if not len(rim):
+            continue
+        away, nearest = cKDTree(at[rim]).query(outline, distance_upper_bound=reach)
+        near = np.isfinite(away)
+        step = (outline[near] - at[rim[nearest[near]]]) / camera.scale
+        np.add.at(wanted, rim[nearest[near]], step @ camera.rotation[:2])
+        np.add.at(told, rim[nearest[near]], 1.0)
+    every = np.concatenate(list(outlines.values()))
+    column, row = np.rint(at).astype(int).T
+    column, row = np.clip(column, 0, image.labels.shape[1] - 1), np.clip(row, 0, image.labels.shape[0] - 1)
+    outside = np.flatnonzero(signed_distance(image.silhouette)[row, column] > 1.0)
+    if len(outside):
+        away, nearest = cKDTree(every).query(at[outside], distance_upper_bound=reach)
+        near = np.isfinite(away)
+        step = (every[nearest[near]] - at[outside[near]]) / camera.scale
+        wanted[outside[near]] += step @ camera.rotation[:2]
+        told[outside[near]] += 1.0
+
+
+def _smoothly(
+    vertices: np.ndarray, faces: np.ndarray, wanted: np.ndarray, told: np.ndarray, length: float
+) -> np.ndarray:
+    """The displacement (n, 3) that is as wanted where that is told, and bends least: (M T + l^4 L M^-1 L) d = M T w."""
+    import igl
+    from scipy.sparse import csc_array, diags_array
+    from scipy.sparse.linalg import splu
+
+    stiffness = -igl.cotmatrix(vertices, faces)
+    mass = np.maximum(igl.massmatrix(vertices, faces, igl.MASSMATRIX_TYPE_VORONOI).diagonal(), 1e-12)
+    bending = stiffness @ diags_array(1 / mass) @ stiffness
+    hold = mass * told
+    system = csc_array(diags_array(hold + 1e-6 * mass) + length**4 * bending)
+    factor = splu(system, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    return factor.solve(hold[:, None] * wanted)
