@@ -42,6 +42,7 @@ CLIPS = Kind(
         Field("frame_labels", "str", ("n",), "", "Action in each frame; empty where unknown", optional=True),
         Field("split_names", "str", ("s",), "", "Published splits of the data set", optional=True),
         Field("splits", "int8", ("s", "c"), "1", "1: clip to train on, 2: to test on, 0: neither", optional=True),
+        Field("notes", "str", ("o",), "", "What is odd about the files they were read from", optional=True),
     ),
 )
 

@@ -77,7 +77,7 @@ class Header(tarfile.TarInfo):
 
 
 def _check_end(path: Path, tar: tarfile.TarFile) -> None:
-    """FormatError unless nothing but zeros follows the end, as it does where a second archive was joined to the first."""
+    """FormatError unless nothing but zeros follows the end, as where a second archive was joined to the first."""
     assert tar.fileobj is not None
     while block := tar.fileobj.read(CHUNK):
         if block.strip(b"\0"):

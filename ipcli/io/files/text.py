@@ -52,7 +52,7 @@ def comment_free(path: Path) -> list[tuple[int, str]]:
 
 
 def read_text(path: Path) -> str:
-    """A UTF-8 text file, without the mark that some editors put before it; FormatError when it is absent or not text."""
+    """A UTF-8 text file without its byte order mark; FormatError when it is absent or is not text."""
     try:
         return _bytes(path).decode("utf-8-sig")
     except UnicodeDecodeError as error:

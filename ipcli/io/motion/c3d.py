@@ -8,6 +8,7 @@ import numpy as np
 
 from ipcli.errors import FormatError, IpcliError
 from ipcli.geometry.skeleton import NO_PARENT, Skeleton
+from ipcli.io.motion.names import numbered
 from ipcli.measurements.motions import Motion, check_motion
 
 PROCESSORS = {
@@ -16,6 +17,7 @@ PROCESSORS = {
     86: (">", 0),
 }  # Intel, DEC, SGI: order of bytes, and the byte of a float with its sign
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS", "REACTIONS", "MODELED_SCALARS")  # groups of labels
 COPY = "Check that the copy is complete, and that it is a C3D file"
 
 
@@ -41,19 +43,21 @@ def read(path: Path, *, rate: float | None = None, unit: float | None = None) ->
         raise FormatError(path, f"not readable as C3D: {' '.join(str(error).split())}", fix=COPY) from None
     about = content["parameters"]["POINT"]
     points = content["data"]["points"]  # (4, markers, frames)
-    labels = _labels(about)[: points.shape[1]]
-    if not labels:
+    labels, outputs = _labels(about)[: points.shape[1]], _outputs(about)
+    kept = [index for index, label in enumerate(labels) if label not in outputs]
+    names, notes = numbered([labels[index] for index in kept])
+    if len(kept) < len(labels):
+        notes += (f"{len(labels) - len(kept)} outputs of a model (angles, forces ...) are no markers: left out",)
+    if not kept:
         raise FormatError(
             path, "no markers in it (analog channels or rotations only)", fix="Export the trajectories of the markers"
         )
-    positions = np.moveaxis(points[:3, : len(labels)], -1, 0).swapaxes(1, 2) * (
-        _unit(path, about) if unit is None else unit
-    )
+    positions = np.moveaxis(points[:3, kept], -1, 0).swapaxes(1, 2) * (_unit(path, about) if unit is None else unit)
     residuals = content["data"]["meta_points"]["residuals"]  # (1, markers, frames)
-    lost = (positions == 0).all(axis=-1) | (residuals[0, : len(labels)].T < 0)
+    lost = (positions == 0).all(axis=-1) | (residuals[0, kept].T < 0)
     positions[lost] = np.nan
-    skeleton = Skeleton(tuple(labels), (NO_PARENT,) * len(labels))
-    return check_motion(Motion(skeleton, positions, rate or float(about["RATE"]["value"][0])), path)
+    skeleton = Skeleton(names, (NO_PARENT,) * len(names))
+    return check_motion(Motion(skeleton, positions, rate or float(about["RATE"]["value"][0]), notes=notes), path)
 
 
 def _check_size(path: Path) -> None:
@@ -76,6 +80,12 @@ def _labels(about: dict) -> list[str]:
     blocks = ("LABELS", *(f"LABELS{index}" for index in range(2, 100)))
     names = [name.strip() for block in blocks if block in about for name in about[block]["value"]]
     return [name or f"marker{index}" for index, name in enumerate(names)]
+
+
+def _outputs(about: dict) -> set[str]:
+    """The labels of what a model computed, which has no place in the world, by the groups that list them."""
+    blocks = [group + number for group in OUTPUTS for number in ("", *map(str, range(2, 100)))]
+    return {name.strip() for block in blocks if block in about for name in about[block]["value"]}
 
 
 def _unit(path: Path, about: dict) -> float:

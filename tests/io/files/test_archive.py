@@ -132,7 +132,7 @@ def packed_blocks(tmp_path):
 @pytest.mark.parametrize(
     ("change", "because"),
     [
-        (lambda data: data[: 2 * 512 + 3] + b"9" + data[2 * 512 + 4 :], "neither a member nor the end at byte 1024"),
+        (lambda data: data[: 2 * 512 + 3] + b"9" + data[2 * 512 + 4 :], "neither a member nor the end"),
         (lambda data: data[: 4 * 512], "neither a member nor the end at byte 2048"),
         (lambda data: data[: 4 * 512 + 100], "neither a member nor the end at byte 2048"),
         (lambda data: data[: 3 * 512 + 100], "unexpected end of data"),
