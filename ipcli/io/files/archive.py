@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from lzma import LZMAError
 from pathlib import Path
-from tarfile import EmptyHeaderError, InvalidHeaderError, ReadError, TruncatedHeaderError
+from tarfile import HeaderError, ReadError
 from tempfile import TemporaryDirectory
 
 from ipcli.errors import FormatError
@@ -72,7 +72,9 @@ class Header(tarfile.TarInfo):
     def fromtarfile(cls, tarfile: tarfile.TarFile) -> Header:
         try:
             return super().fromtarfile(tarfile)
-        except (InvalidHeaderError, EmptyHeaderError, TruncatedHeaderError) as error:
+        except HeaderError as error:
+            if type(error).__name__ == "EOFHeaderError":  # the zeros of the end
+                raise
             raise ReadError(f"neither a member nor the end at byte {tarfile.offset} ({error})") from None
 
 
