@@ -204,15 +204,18 @@ class Teller:
             self.stream.flush()
 
 
-def conclude(result: Path | Mapping[str, Any], run: Run) -> None:
+def conclude(result: Path | Mapping[str, Any], run: Run, *, with_figures: bool = False) -> None:
     """The result on stdout: with --json one object ({"output": path} for a path), else the path, or each
-    `key: value`.
+    `key: value`; with `with_figures` the path and below it the others.
     """
     facts = result if isinstance(result, Mapping) else {"output": result}
     if run.json:
         click.echo(json.dumps(_jsonable(facts), allow_nan=False))
     elif "output" in facts:
         click.echo(str(facts["output"]))
+        for key, value in facts.items():
+            if with_figures and key != "output":
+                click.echo(f"{key.replace('_', ' ')}: {value}")
     else:
         click.echo("\n".join(f"{key}: {value}" for key, value in facts.items()))
 

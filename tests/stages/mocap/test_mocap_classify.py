@@ -43,7 +43,7 @@ def test_answers_are_those_of_the_artefact_and_of_the_table(model, tmp_path):
     assert [answer["answer"] for answer in told] == ["kick", "wave"]
     assert [answer["posterior"] for answer in told] == found["posterior"].max(axis=1).tolist()
     lines = (tmp_path / "y.recognition.csv").read_text(encoding="utf-8").splitlines()
-    assert lines[0] == "clip,start_s,end_s,action,posterior"
+    assert lines[0] == "clip,start_s,end_s,action,posterior,best"
     expected = [f"{a['clip']},0.000,0.800,{a['answer']},{a['posterior']:.4f}" for a in told]
     assert lines[1:] == expected
 
