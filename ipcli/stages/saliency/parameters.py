@@ -1,0 +1,19 @@
+"""Options of the saliency commands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ipcli.models.saliency.parameters import Scene
+from ipcli.params import option
+
+
+@dataclass(frozen=True)
+class Saliency:
+    """What saliency takes."""
+
+    model: str = option(
+        "", "Earlier results X.h5,Y.h5 of saliency whose functions are applied, as their mean (3.20).", flag="--model"
+    )
+    format: str = option("auto", "Layout of views, where they are no artefact.", flag="--format")
+    scene: Scene = field(default_factory=Scene)
