@@ -15,6 +15,7 @@ from ipcli.models.saliency.surface import PlateSurface
 FARTHEST, ACUTE = 3.0, 15.0  # metres, degrees: limits of (F7)
 WIDEST, NARROWEST = 5.0, 1.0  # radius of a membrane
 SMOOTHING = 1.5  # pixels: of the picture before its curvature is taken
+AROUND = 8.0  # pixels: of the neighbourhood whose colours count too
 RELIEF = 10.0  # pixels: how high the surface of intensity stands for white over black
 LEAST, MOST = 0.2, 2.0  # sigma of (3.28) after scaling
 
@@ -44,6 +45,9 @@ COLUMNS = (
     Column("height", "m", "height"),
     Column("angle from the middle", "deg", "centre"),
     Column("unlikeness in colour", "1", "contrast"),
+    Column("red around", "1", "around"),
+    Column("green around", "1", "around"),
+    Column("blue around", "1", "around"),
     Column("membrane", "log", "membrane"),
 )
 GROUPS = tuple(dict.fromkeys(column.group for column in COLUMNS))
@@ -79,7 +83,7 @@ def of_nodes(
     place = np.flatnonzero(surface.known.ravel())
     seen = surface.points.reshape(-1, 3)[place]
     points = seen @ world_from_cam[:3, :3].T + world_from_cam[:3, 3]
-    rgb, bend, unlike = _of_pictures(sub, camera, points)
+    rgb, bend, unlike, around = _of_pictures(sub, camera, points)
     gaussian, mean = (np.sqrt(np.abs(surface.gaussian.ravel()[place])), surface.mean.ravel()[place])
     membrane = _membrane(gaussian, bend, seen[:, 2])
     window = max(sub.times[1] - sub.times[0], 1e-3)
@@ -89,7 +93,8 @@ def of_nodes(
     middle = (sub.times[0] + sub.times[1]) / 2
     columns = [
         *(points - start).T, gaussian, np.zeros(len(points)), np.full(len(points), middle), *rgb.T, bend,
-        patch_size(seen[:, 2], focal), mean, points[:, 1], angle, unlike, np.log(np.maximum(energy, 1e-30)),
+        patch_size(seen[:, 2], focal), mean, points[:, 1], angle, unlike, *around.T,
+        np.log(np.maximum(energy, 1e-30)),
     ]  # fmt: skip
     table = np.stack(columns, axis=1).astype(np.float32)
     return NodeFeatures(points, table, membrane, surface.known.shape, place)
@@ -117,12 +122,11 @@ def excited(membrane: Membrane, saliency: np.ndarray) -> Membrane:
     return Membrane(LEAST + (MOST - LEAST) * saliency, membrane.z, membrane.radius)
 
 
-def _of_pictures(sub: Subsequence, camera: Camera, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """RGB in [0, 1], curvature of intensity and unlikeness in colour of points, the mean over pictures that show them.
-
-    What no picture shows takes the mean over the others.
+def _of_pictures(sub: Subsequence, camera: Camera, points: np.ndarray) -> tuple[np.ndarray, ...]:
+    """RGB in [0, 1], curvature of intensity, unlikeness in colour and RGB around of points, the mean over the pictures
+    that show them. What no picture shows takes the mean over the others.
     """
-    total, count = np.zeros((len(points), 5)), np.zeros(len(points))
+    total, count = np.zeros((len(points), 8)), np.zeros(len(points))
     for shot in sub.snapshots:
         pixels = seen_at(camera, shot.cam_from_world, points)
         seen = np.isfinite(pixels[:, 0])
@@ -131,14 +135,19 @@ def _of_pictures(sub: Subsequence, camera: Camera, points: np.ndarray) -> tuple[
     known = count > 0
     fallback = total[known].sum(axis=0) / max(count.sum(), 1)
     mean = np.where(known[:, None], total / np.maximum(count, 1)[:, None], fallback)
-    return mean[:, :3], mean[:, 3], mean[:, 4]
+    return mean[:, :3], mean[:, 3], mean[:, 4], mean[:, 5:]
 
 
 def channels(image: np.ndarray) -> np.ndarray:
-    """(h, w, 5): smoothed RGB in [0, 1], sqrt |sigma_L| of (3.16), distance of the colour from the picture's mean."""
+    """(h, w, 8): smoothed RGB in [0, 1], sqrt |sigma_L| of (3.16), distance of the colour from the picture's mean, RGB
+    around.
+    """
     from scipy.ndimage import gaussian_filter
 
-    rgb = np.stack([gaussian_filter(image[..., k] / 255.0, SMOOTHING) for k in range(3)], axis=-1)
+    rgb, around = (
+        np.stack([gaussian_filter(image[..., k] / 255.0, width) for k in range(3)], axis=-1)
+        for width in (SMOOTHING, AROUND)
+    )
     light = RELIEF * rgb.mean(axis=-1)
     ly, lx = np.gradient(light)
     lyy, lyx = np.gradient(ly)
@@ -147,7 +156,7 @@ def channels(image: np.ndarray) -> np.ndarray:
     spread = np.linalg.inv(np.cov(rgb.reshape(-1, 3).T) + 1e-4 * np.eye(3))
     off = rgb - rgb.reshape(-1, 3).mean(axis=0)
     unlike = np.sqrt(np.einsum("hwi,ij,hwj->hw", off, spread, off))
-    return np.concatenate([rgb, np.sqrt(np.abs(gaussian))[..., None], unlike[..., None]], axis=-1)
+    return np.concatenate([rgb, np.sqrt(np.abs(gaussian))[..., None], unlike[..., None], around], axis=-1)
 
 
 def _sampled(image: np.ndarray, pixels: np.ndarray) -> np.ndarray:

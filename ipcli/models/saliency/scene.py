@@ -23,6 +23,7 @@ from ipcli.progress import Progress, silent
 
 KEPT = 24  # prepared subsequences that are kept from the first pass for the second
 SHOWN = 48  # pictures that the artefact keeps, with their maps
+HITS = {1: 2, 0: 1, -1: 0}  # looked at in this subsequence, at some other time, never
 NEAR = 2  # frames: points of regard drawn in a picture
 Arrays = dict[str, np.ndarray]
 
@@ -57,6 +58,12 @@ class Judge:
             return None
         both = np.stack([function.domain for function in self.rest])
         return np.stack([both[:, 0].min(axis=0), both[:, 1].max(axis=0)])
+
+    def elicited(self, number: int, table: np.ndarray) -> np.ndarray:
+        """Rows that any of the functions puts above its threshold; all where nothing is learnt."""
+        functions = self.functions.get(number, self.rest)
+        above = [function.margin(table) >= function.threshold for function in functions]
+        return np.any(above, axis=0) if above else np.ones(len(table), bool)
 
 
 def saliency(
@@ -190,18 +197,22 @@ class _Found:
             excited = features.excited(nodes.membrane, learnt)
         window = max(sub.times[1] - sub.times[0], 1e-3)
         energy = membranes.energies(excited.sigma, excited.z, excited.radius, window, p.membranes)
+        if p.excitation == "learnt":
+            energy = np.where(self.judge.elicited(sub.number, nodes.table), energy, 0.0)
         domain = self.judge.domain()
         if p.domain == "limited" and domain is not None:
             energy = np.where(features.inside(nodes.points - self.origin, domain), energy, 0.0)
         shown = learnt if np.isfinite(learnt).all() else _ranks(energy)
         self.cloud.add(nodes.points, np.stack([shown, energy, prepared.labels > 0, nodes.table[:, 3]], axis=1))
         self.scores.append(worth.of_subsequence(nodes.table, prepared.labels, learnt, energy))
-        attended = float((prepared.labels > 0).mean())
-        self.subsequences.append((*sub.frames, len(sub.regards), len(nodes.points), *sub.times, prepared.error, attended))
+        shares = [float((prepared.labels >= least).mean()) for least in (1, 0)]
+        self.subsequences.append(
+            (*sub.frames, len(sub.regards), len(nodes.points), *sub.times, prepared.error, *shares, sub.number)
+        )
         found = proto_objects.find(energy, nodes.points, nodes.place, nodes.grid, p.radius, p.objects)
         first = len(self.objects)
         for item in found:
-            hit = int(prepared.labels[item.node] > 0) if len(sub.regards) else -1
+            hit = HITS[int(prepared.labels[item.node])] if len(self.sequence.regards) else -1
             self.objects.append((sub.number, hit, item.energy, float(shown[item.patch].mean()), *sub.times))
             self.places.append(nodes.points[item.node])
         self._draw(prepared, shown, [item.patch for item in found], first)
@@ -256,15 +267,13 @@ def _scene_arrays(f: _Found) -> Arrays:
     places = np.array(f.places).reshape(-1, 3)
     rows = f.cloud.rows
     scores = np.array(f.scores)
-    hits = objects[objects[:, 1] >= 0, 1]
-    chance = sub[sub[:, 2] > 0, 7]
     arrays: Arrays = {
         "subsequences/frames": sub[:, :2].astype(np.int64),
         "subsequences/regards": sub[:, 2].astype(np.int64),
         "subsequences/nodes": sub[:, 3].astype(np.int64),
         "subsequences/times": sub[:, 4:6],
         "subsequences/error": sub[:, 6],
-        "subsequences/attended": sub[:, 7],
+        "subsequences/attended": sub[:, 7:9],
         "subsequences/ranking": scores,
         "points/places": rows[:, :3].astype(np.float32),
         "points/saliency": rows[:, 3].astype(np.float32),
@@ -278,12 +287,22 @@ def _scene_arrays(f: _Found) -> Arrays:
         "objects/saliency": objects[:, 3],
         "objects/times": objects[:, 4:6],
         "objects/track": proto_objects.lasting(places, objects[:, 0], f.p.radius).astype(np.int64),
-        "hits": np.array([hits.mean() if len(hits) else np.nan, chance.mean() if len(chance) else np.nan]),
+        "hits": _hits(objects, sub),
         "rankings": np.array(worth.RANKED),
         "extents": np.array(f.extents).reshape(-1, 2),
         "radius": np.float64(f.p.radius),
     }
     return arrays | _picture_arrays(f)
+
+
+def _hits(objects: np.ndarray, sub: np.ndarray) -> np.ndarray:
+    """Share of proto-objects looked at in their subsequence and ever, and of nodes of the subsequences they are in."""
+    judged = objects[objects[:, 1] >= 0]
+    if not len(judged):
+        return np.full((2, 2), np.nan)
+    place = {number: row for row, number in enumerate(np.unique(sub[:, 9]))}
+    chance = sub[[place[number] for number in judged[:, 0]], 7:9].mean(axis=0)
+    return np.stack([[(judged[:, 1] >= least).mean() for least in (2, 1)], chance], axis=1)
 
 
 def _picture_arrays(f: _Found) -> Arrays:

@@ -14,6 +14,7 @@ from ipcli.errors import ParameterError
 from ipcli.inverse.regularize import thin_plate
 from ipcli.models.saliency.parameters import SurfaceFit
 
+WIDEST = 1.5  # tangent of the angle from the axis: beyond it a surface over pixels is of no use
 TRIM = 0.5  # percent of the points at each end that do not widen the domain
 FEWEST = 16  # points that a surface rests on
 SPARSE = 6.0  # cells: a node farther from any point is unknown
@@ -40,6 +41,11 @@ def fit(cloud: np.ndarray, p: SurfaceFit) -> PlateSurface:
     over_pixels = p.over == "pixels"
     flat = cloud[:, :2] / cloud[:, 2:] if over_pixels else cloud[:, :2]
     value = 1 / cloud[:, 2] if over_pixels else cloud[:, 2]
+    if over_pixels:
+        ahead = (np.abs(flat) < WIDEST).all(axis=1)
+        flat, value = flat[ahead], value[ahead]
+        if len(value) < FEWEST:
+            raise ParameterError(f"{len(value)} points in sight: a surface needs {FEWEST}")
     low, high = np.percentile(flat, TRIM, axis=0), np.percentile(flat, 100 - TRIM, axis=0)
     side = np.maximum(high - low, 1e-6)
     step = float(np.sqrt(side.prod() / p.nodes))

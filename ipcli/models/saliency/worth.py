@@ -39,11 +39,14 @@ def table(
     few = rng.stream(seed, "saliency groups", "").permutation(len(rows))[:PAIRED]
     small = (rows[few], labels[few], folds[few])
     sets = [names for size in range(1, p.group_size + 1) for names in combinations(groups, size)]
-    taken = [(names, _balanced(*small, names, p, seed)) for names in sets]
+    taken = [(" + ".join(names), _balanced(*small, names, p, seed)) for names in sets]
+    for out in groups if p.group_size and len(groups) > 1 else ():
+        rest = [group for group in groups if group != out]
+        taken.append((f"all but {out}", _balanced(*small, rest, p, seed)))
     path = eliminated(*small, groups, p, seed) if p.group_size else []
     return {
         "folds/rates": np.array(by_fold, np.float64).reshape(-1, 5),
-        "groups/names": _texts(" + ".join(names) for names, _ in taken),
+        "groups/names": _texts(names for names, _ in taken),
         "groups/balanced": np.array([value for _, value in taken], np.float64),
         "elimination/names": _texts(" + ".join(names) for names, _ in path),
         "elimination/balanced": np.array([value for _, value in path], np.float64),

@@ -29,9 +29,10 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
 def _verdict(a: Mapping[str, np.ndarray]) -> str:
     tracks = len(np.unique(a["objects/track"]))
     words = f"{len(a['objects/track'])} proto-objects at {tracks} places in {len(a['subsequences/frames'])} subsequences."
-    hit, chance = (float(value) for value in a["hits"])
-    if np.isfinite([hit, chance]).all():
-        words += f" {percent(hit)} of them lie where somebody looked; {percent(chance)} would by chance."
+    if np.isfinite(a["hits"]).all():
+        (now, now_chance), (ever, ever_chance) = a["hits"].tolist()
+        words += f" {percent(ever)} of them lie where somebody looked, {percent(now)} at that very time; by chance "
+        words += f"{percent(ever_chance)} and {percent(now_chance)} would."
     if len(a.get("folds/rates", ())):
         words += f" The learnt function has a balanced error rate of {number(float(np.nanmean(a['folds/rates'][:, 4])))}."
     return words
@@ -50,7 +51,9 @@ def marked(a: Mapping[str, np.ndarray], n: int) -> np.ndarray:
         image = cv2.addWeighted(tinted, 0.3, image, 0.7, 0)
         cv2.polylines(image, [rim], True, GREEN, 2, cv2.LINE_AA)
     for u, v in a["regards/pixels"][a["regards/picture"] == n]:
-        cv2.circle(image, (round(float(u)), round(float(v))), 3, RED, -1, cv2.LINE_AA)
+        at = (round(float(u)), round(float(v)))
+        cv2.circle(image, at, 4, (255, 255, 255), -1, cv2.LINE_AA)
+        cv2.circle(image, at, 3, RED, -1, cv2.LINE_AA)
     return image
 
 
@@ -67,7 +70,7 @@ def _frames(a: Mapping[str, np.ndarray], widest: int) -> Markup:
 
 
 def _objects(a: Mapping[str, np.ndarray]) -> Markup:
-    words = {1: "yes", 0: "no", -1: "–"}
+    words = {2: "yes", 1: "at another time", 0: "no", -1: "–"}
     rows = []
     for n in np.argsort(-a["objects/saliency"], kind="stable")[:ROWS]:
         first, last = (number(float(time)) for time in a["objects/times"][n])
@@ -115,11 +118,14 @@ def _rankings(a: Mapping[str, np.ndarray]) -> Markup:
 def _groups(a: Mapping[str, np.ndarray]) -> list[Markup]:
     if not len(a.get("groups/names", ())):
         return []
-    order = np.argsort(a["groups/balanced"], kind="stable")[:12]
-    best = [[str(a["groups/names"][n]), number(float(a["groups/balanced"][n]))] for n in order]
+    order = np.argsort(a["groups/balanced"], kind="stable")
+    listed = [[str(a["groups/names"][n]), number(float(a["groups/balanced"][n]))] for n in order]
+    best = [row for row in listed if not row[0].startswith("all but")][:12]
+    rest = [row for row in listed[::-1] if row[0].startswith("all but")]
     path = [[str(name), number(float(value))] for name, value in zip(a["elimination/names"], a["elimination/balanced"], strict=True)]
     head = ["groups of features", "balanced error rate"]
-    parts = [table(head, best), element("p", "Elimination, from all groups to one:"), table(head, path)]
+    parts = [table(head, best), element("p", "All but one, the one that is missed most first:"), table(head, rest)]
+    parts += [element("p", "Elimination, from all groups to one:"), table(head, path)]
     return [section("Groups of features", *parts, lead="The best few groups taken together, and what elimination leaves.")]
 
 
@@ -128,7 +134,7 @@ def _subsequences(a: Mapping[str, np.ndarray]) -> Markup:
     for n, (first, stop) in enumerate(a["subsequences/frames"][:ROWS]):
         rows.append(
             [f"{n}", f"{first}–{stop - 1}", f"{a['subsequences/regards'][n]}", f"{a['subsequences/nodes'][n]}",
-             number(float(a["subsequences/error"][n])), percent(float(a["subsequences/attended"][n]))]
+             number(float(a["subsequences/error"][n])), percent(float(a["subsequences/attended"][n, 0]))]
         )  # fmt: skip
     head = ["subsequence", "frames", "points of regard", "nodes", "residual of the surface, m", "nodes attended"]
     return section("Surfaces", table(head, rows))

@@ -76,7 +76,7 @@ def write_objects(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[s
 
     lines = ["x [m],y [m],z [m],radius [m],from [s],to [s],subsequence,track,energy,saliency,looked at"]
     for n, place in enumerate(a["objects/places"]):
-        looked = {1: "yes", 0: "no"}.get(int(a["objects/hit"][n]), "")
+        looked = {2: "yes", 1: "at another time", 0: "no"}.get(int(a["objects/hit"][n]), "")
         cells = [*(f"{value:.4f}" for value in (*place, float(a["radius"]), *a["objects/times"][n]))]
         cells += [str(a["objects/subsequence"][n]), str(a["objects/track"][n])]
         cells += [f"{a['objects/energy'][n]:.6g}", f"{a['objects/saliency'][n]:.4f}", looked]
@@ -95,5 +95,5 @@ def summary(output: Path) -> dict[str, object]:
     if "folds/rates" in a:
         facts["balanced error rate"] = round(float(np.nanmean(a["folds/rates"][:, 4])), 4)
     if np.isfinite(a["hits"]).all():
-        facts["looked at"] = f"{a['hits'][0]:.0%} of proto-objects, {a['hits'][1]:.0%} by chance"
+        facts["looked at"] = f"{a['hits'][1, 0]:.0%} of proto-objects, {a['hits'][1, 1]:.0%} by chance"
     return facts
