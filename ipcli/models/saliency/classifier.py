@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipcli.models.saliency import features
-from ipcli.models.saliency.parameters import Classifying
+from ipcli.models.saliency.scene_parameters import Classifying
 
 LARGE = 200_000  # points from which on the margin is found by stochastic gradients
 EXACT = 4_000  # points up to which one class is learnt exactly

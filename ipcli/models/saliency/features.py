@@ -9,7 +9,7 @@ import numpy as np
 from ipcli.measurements.recording import Camera
 from ipcli.measurements.subsequences import Subsequence, seen_at
 from ipcli.models.saliency import membranes
-from ipcli.models.saliency.parameters import Membranes
+from ipcli.models.saliency.scene_parameters import Membranes
 from ipcli.models.saliency.surface import PlateSurface
 
 FARTHEST, ACUTE = 3.0, 15.0  # metres, degrees: limits of (F7)

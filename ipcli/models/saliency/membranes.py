@@ -16,7 +16,7 @@ from functools import cache
 
 import numpy as np
 
-from ipcli.models.saliency.parameters import Membranes
+from ipcli.models.saliency.scene_parameters import Membranes
 
 ORDERS, ROOTS = 13, 9  # m = 0 .. 12, n = 1 .. 9
 FIRST_ROOT = 2.404825557695773

@@ -18,7 +18,7 @@ from ipcli.measurements.subsequences import PosedSequence, Subsequence, seen_at
 from ipcli.models.saliency import classifier, features, membranes, proto_objects, regions, surface, worth
 from ipcli.models.saliency.classifier import Learnt
 from ipcli.models.saliency.gathered import GatheredCloud
-from ipcli.models.saliency.parameters import Scene
+from ipcli.models.saliency.scene_parameters import Scene
 from ipcli.progress import Progress, silent
 
 KEPT = 24  # prepared subsequences that are kept from the first pass for the second

@@ -12,7 +12,7 @@ import numpy as np
 
 from ipcli.errors import ParameterError
 from ipcli.inverse.regularize import thin_plate
-from ipcli.models.saliency.parameters import SurfaceFit
+from ipcli.models.saliency.scene_parameters import SurfaceFit
 
 WIDEST = 1.5  # tangent of the angle from the axis: beyond it a surface over pixels is of no use
 TRIM = 0.5  # percent of the points at each end that do not widen the domain

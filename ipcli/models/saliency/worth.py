@@ -9,7 +9,7 @@ import numpy as np
 
 from ipcli import rng
 from ipcli.models.saliency import classifier, features
-from ipcli.models.saliency.parameters import Scene
+from ipcli.models.saliency.scene_parameters import Scene
 
 RANKED = (
     "learnt function", "membranes as used", *(column.name for column in features.COLUMNS if column.group not in ("F1", "F3", "F4"))

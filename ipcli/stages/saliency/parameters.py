@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ipcli.models.saliency.parameters import Scene
+from ipcli.models.saliency.scene_parameters import Scene
 from ipcli.params import option
 
 
