@@ -113,7 +113,7 @@ def _attention(rng: np.random.Generator, end: float, dwell: tuple[float, float])
 
 
 def _head(rng, switches: np.ndarray, towards: np.ndarray, end: float, still: bool) -> Callable[[float], np.ndarray]:
-    """world_from_rig at any time: a smooth loop, and a head that turns after the eyes, `towards` one place after another."""
+    """world_from_rig at any time: a smooth loop and a head that turns after the eyes `towards` one place after the next."""
     phase = rng.uniform(0, 2 * np.pi)
     grid = np.arange(-2.0, end + 2.0, 0.01)
     index = np.clip(np.searchsorted(switches, grid, side="right") - 1, 0, len(towards) - 1)
@@ -281,7 +281,9 @@ def write_euroc(walked: Walk, folder: Path, *, jpeg: int | None = None) -> None:
         for time, (x, y), valid, label in zip(gaze.times, gaze.pixels, gaze.valid, gaze.labels, strict=True)
     ]
     atomic.write_text(folder / "gaze.csv", "\n".join(lines) + "\n")
-    places = [f"{name},{x:g},{y:g},{z:g}" for name, (x, y, z) in zip(recording.target_names, recording.targets, strict=True)]
+    places = [
+        f"{name},{x:g},{y:g},{z:g}" for name, (x, y, z) in zip(recording.target_names, recording.targets, strict=True)
+    ]
     atomic.write_text(folder / "targets.csv", "\n".join(["name,x [m],y [m],z [m]", *places]) + "\n")
 
 

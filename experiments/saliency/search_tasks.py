@@ -17,6 +17,7 @@ import numpy as np
 from experiments.gaze import room
 from ipcli.geometry import lens, lie
 from ipcli.io.files import h5
+from ipcli.measurements.recording import HeadRecording
 from ipcli.models.gaze.experiment import rig_arrays
 
 TASKS = {"red": 0.0, "yellow": 0.15, "blue": 0.62, "pink": 0.87}  # what is looked for, and its hue
@@ -76,7 +77,12 @@ def _spread(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def search(
-    rng: np.random.Generator, end: float, dwell: tuple[float, float], *, middles: np.ndarray, likeness: np.ndarray,
+    rng: np.random.Generator,
+    end: float,
+    dwell: tuple[float, float],
+    *,
+    middles: np.ndarray,
+    likeness: np.ndarray,
     searcher: Searcher,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Times at which attention turns (the first is 0) and the parcel that it turns to."""  # fmt: skip
@@ -101,28 +107,30 @@ def experiment(course: room.Course, seed: int, place: room.Place) -> dict[str, n
     """
     walk = room.walk(course, seed, place)
     recording, rng = walk.recording, np.random.default_rng([seed, 1])
-    count = len(recording.times)
+    gaze, count = recording.gaze, len(recording.times)
+    assert gaze is not None
+    assert gaze.labels is not None
     starts = np.array([key for key in walk.keyframes if key < count], int)
     spans = np.stack([starts, np.append(starts[1:], count)], axis=1)
     regards = _regards(recording, place)
-    frame = np.abs(recording.gaze.times[:, None] - recording.times).argmin(axis=1)
+    frame = np.abs(gaze.times[:, None] - recording.times).argmin(axis=1)
     focus = np.searchsorted(starts, np.arange(count), side="right") - 1
     shots = np.unique(np.concatenate([np.linspace(first, stop - 1, SHOTS).astype(int) for first, stop in spans]))
     maps = [_mapped(walk, (first + stop - 1) // 2, rng) for first, stop in spans]
     counts = [len(points) for points in maps]
     seen = np.repeat([(first + stop - 1) // 2 for first, stop in spans], counts)
-    medians = np.array([np.median(regards[(frame >= a) & (frame < b)], axis=0) for a, b in spans])
+    medians = np.array([np.nanmedian(regards[(frame >= a) & (frame < b)], axis=0) for a, b in spans])
     arrays = {
         "names": np.array(recording.names), "times": recording.times, "world_from_rig": recording.truth,
         "subsequence": focus, "keyframe": np.isin(np.arange(count), starts).astype(np.uint8),
-        "gaze/times": recording.gaze.times, "gaze/pixels": recording.gaze.pixels,
-        "gaze/valid": recording.gaze.valid.astype(np.uint8), "gaze/labels": recording.gaze.labels,
-        "por/points": regards, "por/frame": frame, "por/outcome": np.full(len(frame), "hit"),
+        "gaze/times": gaze.times, "gaze/pixels": gaze.pixels,
+        "gaze/valid": gaze.valid.astype(np.uint8), "gaze/labels": gaze.labels,
+        "por/points": regards, "por/frame": frame, "por/outcome": np.where(np.isfinite(regards).all(axis=1), "hit", "outside"),
         "map/points": np.concatenate(maps), "map/grey": np.full(len(seen), 128, np.uint8),
         "map/seen": np.ones(len(seen), np.int64),
         "map/sightings": np.stack([seen, np.zeros(len(seen), int), np.arange(len(seen))], axis=1),
         "map/pixels": np.zeros((len(seen), 2)),
-        "pictures": np.stack([recording.load(k).colour for k in shots]), "picture_frames": shots,
+        "pictures": np.stack([_colours(recording, int(k)) for k in shots]), "picture_frames": shots,
         "subsequences/frames": spans, "subsequences/points": medians,
         "subsequences/regards": np.array([((frame >= a) & (frame < b)).sum() for a, b in spans]),
         "subsequences/extent": np.zeros(len(spans)),
@@ -131,14 +139,22 @@ def experiment(course: room.Course, seed: int, place: room.Place) -> dict[str, n
     return arrays | _bookkeeping(recording, count)
 
 
-def _regards(recording, place: room.Place) -> np.ndarray:
+def _colours(recording: HeadRecording, k: int) -> np.ndarray:
+    colour = recording.load(k).colour
+    assert colour is not None
+    return colour
+
+
+def _regards(recording: HeadRecording, place: room.Place) -> np.ndarray:
     """Where the rays of the gaze meet the scene (n, 3)."""
-    camera, gaze = recording.cameras[0], recording.gaze
+    camera, gaze, truth = recording.cameras[0], recording.gaze, recording.truth
+    assert gaze is not None
+    assert truth is not None
     ideal = lens.undistort(camera.model, camera.distortion, lens.normalised_of(gaze.pixels, camera.intrinsics))
     before = np.clip(np.searchsorted(recording.times, gaze.times, side="right") - 1, 0, len(recording.times) - 2)
     share = (gaze.times - recording.times[before]) / np.diff(recording.times)[before]
     poses = np.stack(
-        [lie.se3_interpolate(*recording.truth[k : k + 2], np.array(s)) for k, s in zip(before, share, strict=True)]
+        [lie.se3_interpolate(truth[k], truth[k + 1], np.array(s)) for k, s in zip(before, share, strict=True)]
     )
     rays = np.einsum("nij,nj->ni", poses[:, :3, :3], np.concatenate([ideal, np.ones((len(ideal), 1))], axis=1))
     length, _ = room.meet(poses[:, :3, 3], rays, place.boxes)
@@ -155,16 +171,19 @@ def _mapped(walk: room.Walk, k: int, rng: np.random.Generator) -> np.ndarray:
     base = camera.intrinsics[0, 0] * room.BASELINE
     z = base / (base / z + rng.normal(0, DISPARITY, POINTS))
     points = z[:, None] * np.concatenate([ideal, np.ones((POINTS, 1))], axis=1)
-    pose = walk.recording.truth[k]
+    truth = walk.recording.truth
+    assert truth is not None
+    pose = truth[k]
     return points @ pose[:3, :3].T + pose[:3, 3]
 
 
-def _bookkeeping(recording, count: int) -> dict[str, np.ndarray]:
+def _bookkeeping(recording: HeadRecording, count: int) -> dict[str, np.ndarray]:
     """What an experiment holds beside: as if every frame had been found without doubt."""
+    assert recording.gaze is not None
     unknown, zero, none = np.full(count, np.nan), np.zeros(count, np.int64), np.full(len(recording.gaze.times), -1)
     many = len(none)
     return rig_arrays(recording.cameras) | {
-        "covariance": np.full((count, 6, 6), np.nan), "online": recording.truth, "lost": zero.astype(np.uint8),
+        "covariance": np.full((count, 6, 6), np.nan), "online": np.asarray(recording.truth), "lost": zero.astype(np.uint8),
         "how": np.full(count, "predicted"), "reasons": np.full(count, "", "U1"), "in_map": np.ones(count, np.uint8),
         "matched": zero, "stereo": zero, "error": unknown, "vertical": unknown, "gric_f": unknown, "gric_h": unknown,
         "change": unknown, "parted": unknown, "observer": np.full((count, 3), np.nan),

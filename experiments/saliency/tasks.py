@@ -41,13 +41,19 @@ def findings(arguments: Arguments) -> Findings:
             for bar in read_bars(BARS, "tasks")
             if bar.measure[1].startswith(HIGH) != least
         ]
-        parts.append(bars_section(held, OURS, ("way", "measure"), least=least, lead="Small is good." if least else "Large is good."))
+        parts.append(
+            bars_section(
+                held, OURS, ("way", "measure"), least=least, lead="Small is good." if least else "Large is good."
+            )
+        )
     first = next(iter(runs["sequence"].values()))
     parts += [_rates(runs), _extents(runs["sequence"]), _seen(first), _objects(runs), _worth(runs["sequence"])]
     cells = [(row["data"], row["measure"], number(float(row["value"]), 4)) for row in rows]  # type: ignore[arg-type]
     parts.append(section("All measures", table(("way", "measure", "value"), cells)))
     lead = quick_lead("two short tasks") if arguments.quick else ""
-    return Findings(page_of("saliency", "Search tasks: what was looked for, and what was predicted", lead, *parts), rows)
+    return Findings(
+        page_of("saliency", "Search tasks: what was looked for, and what was predicted", lead, *parts), rows
+    )
 
 
 def measures(way: str, found: Mapping[str, Mapping[str, np.ndarray]]) -> list[Row]:
@@ -79,7 +85,9 @@ def membranes(found: Mapping[str, Mapping[str, np.ndarray]]) -> list[Row]:
         rate = dict(zip(a["groups/names"].tolist(), a["groups/balanced"].tolist(), strict=True))
         values = {"all groups": a["elimination/balanced"][0], "all but the membrane": rate["all but membrane"]}
         values["the membrane alone"] = rate["membrane"]
-        rows += [{"data": task, "measure": f"balanced error rate, {name}", "value": float(v)} for name, v in values.items()]
+        rows += [
+            {"data": task, "measure": f"balanced error rate, {name}", "value": float(v)} for name, v in values.items()
+        ]
     return rows
 
 
@@ -120,7 +128,10 @@ def _extents(found: Mapping[str, Mapping[str, np.ndarray]]):
 
 
 def _seen(a: Mapping[str, np.ndarray]):
-    shown = [figure(photograph(marked(a, n), 420), f"Frame {a['pictures/frames'][n]}") for n in range(min(12, len(a["pictures/frames"])))]
+    shown = [
+        figure(photograph(marked(a, n), 420), f"Frame {a['pictures/frames'][n]}")
+        for n in range(min(12, len(a["pictures/frames"])))
+    ]
     lead = "Points of regard in red, predicted proto-objects in green (figure 3.15)."
     return section("Seen and predicted", gallery(*shown, columns=4, small=True), lead=lead)
 
@@ -132,13 +143,14 @@ def _objects(runs: Runs):
         for task, a in runs.get(way, {}).items():
             hit = a["objects/hit"]
             (now, now_chance), (ever, ever_chance) = a["hits"].tolist()
-            rows.append([f"{task}, {words}", f"{int(a['subsequences/regards'].sum())}", f"{len(hit)}", f"{int((hit >= 1).sum())}",
-                         *(number(v) for v in (ever, ever_chance, ever / ever_chance, now, now_chance, now / now_chance))])  # fmt: skip
+            counts = [int(a["subsequences/regards"].sum()), len(hit), int((hit >= 1).sum())]
+            shares = [ever, ever_chance, ever / ever_chance, now, now_chance, now / now_chance]
+            rows.append([f"{task}, {words}", *map(str, counts), *map(number, shares)])
     head = ["task", "points of regard", "proto-objects", "in coherent regions", "share", "chance", "ratio",
             "share at that time", "chance", "ratio"]  # fmt: skip
     lead = (
-        "Proto-objects that lie in coherent regions: of the whole task, and of their own subsequence, of which there is "
-        "one among up to three proto-objects (figure 3.16). Chance is the share of nodes."
+        "Proto-objects that lie in coherent regions: of the whole task, and of their own subsequence, of which there "
+        "is one among up to three proto-objects (figure 3.16). Chance is the share of nodes."
     )
     return section("Proto-objects in coherent regions", table(head, rows), lead=lead)
 
@@ -155,8 +167,7 @@ def _worth(found: Mapping[str, Mapping[str, np.ndarray]]):
     rows = []
     for task, a in found.items():
         if len(a.get("groups/names", ())):
-            pairs = zip(a["groups/names"].tolist(), a["groups/balanced"].tolist(), strict=True)
-            rows += [[task, name, number(float(value))] for name, value in pairs]
-            rows += [[task, f"left by elimination: {name}", number(float(value))]
-                     for name, value in zip(a["elimination/names"].tolist(), a["elimination/balanced"].tolist(), strict=True)]  # fmt: skip
+            for kind, words in (("groups", ""), ("elimination", "left by elimination: ")):
+                pairs = zip(a[f"{kind}/names"].tolist(), a[f"{kind}/balanced"].tolist(), strict=True)
+                rows += [[task, words + name, number(float(value))] for name, value in pairs]
     return section("Groups of features", table(["task", "groups", "balanced error rate"], rows)) if rows else None

@@ -11,7 +11,7 @@ from ipcli.params import Run
 from ipcli.stages.gaze.parameters import Check, GazeSfm
 
 
-@click.command("gaze-sfm", cls=options.first_word(check=lambda: check))
+@click.command("gaze-sfm", cls=options.first_word(check=lambda: _check()))
 @click.argument("recording", type=options.PATH)
 @options.output("Experiment to write, such as run.h5.")
 @options.parameters(GazeSfm)
@@ -46,3 +46,7 @@ def check(recording: Path, params: Check, run: Run) -> None:
     options.conclude(facts | ({"warnings": warnings} if run.json else {}), run)
     if not run.json:
         click.echo("\n".join(f"Warning: {warning}" for warning in warnings) or "no warning")
+
+
+def _check() -> click.Command:
+    return check

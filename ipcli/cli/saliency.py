@@ -1,4 +1,4 @@
-"""`saliency`: what is likely to be looked at in a scene. `saliency train|predict|evaluate` are commands of their own."""
+"""`saliency`: what is likely to be looked at in a scene. `saliency train`, `predict`, `evaluate` are other commands."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import click
 from ipcli.cli import options
 from ipcli.params import Run
 from ipcli.stages.saliency.parameters import Saliency
-
 
 WORDS = {word: options.command(f"saliency-{word}") for word in ("train", "predict", "evaluate")}
 

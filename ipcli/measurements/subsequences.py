@@ -58,5 +58,5 @@ def seen_at(camera: Camera, cam_from_world: np.ndarray, points: np.ndarray) -> n
         ideal = seen[:, :2] / np.where(seen[:, 2:] > 1e-3, seen[:, 2:], np.nan)
     pixels = lens.pixels_of(lens.distort(camera.model, camera.distortion, ideal), camera.intrinsics)
     with np.errstate(invalid="ignore"):
-        inside = ((pixels >= -0.5) & (pixels <= np.array(camera.size) - 0.5)).all(axis=1)
-    return np.where(inside[:, None], pixels, np.nan)
+        inside = np.logical_and(pixels >= -0.5, pixels <= np.array(camera.size) - 0.5).all(axis=1)
+    return np.where(np.asarray(inside)[:, None], pixels, np.nan)

@@ -1,4 +1,4 @@
-"""Thin plates through scattered points: nodes on a grid, bilinear between them, bending energy over the whole (3.10)."""
+"""Thin plates through scattered points: nodes on a grid, bilinear between them, bending energy over it (3.10)."""
 
 from __future__ import annotations
 
@@ -82,7 +82,5 @@ def _solve(sample, values: np.ndarray, weights: np.ndarray, shape: tuple[int, in
     weighted = sample.multiply(weights[:, None]).tocsr()
     matrix = (sample.T @ weighted).tocsc() + stiffness * bending(shape)
     matrix = matrix + FLOOR * float(matrix.diagonal().mean()) * identity(matrix.shape[0], format="csc")
-    solver = splu(
-        matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
+    solver = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     return solver.solve(weighted.T @ values)

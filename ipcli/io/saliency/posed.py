@@ -43,7 +43,9 @@ def read_experiment(path: Path) -> PosedSequence:
     kept = np.array([n for n, frame in enumerate(a["picture_frames"]) if posed[frame]], int)
     spans = [span for span in a["subsequences/frames"] if posed[span[0] : span[1]].any()]
     if not len(kept) or not spans:
-        raise FormatError(path, "no frame has both a picture and a pose", fix="Run gaze-sfm on a recording it can follow")
+        raise FormatError(
+            path, "no frame has both a picture and a pose", fix="Run gaze-sfm on a recording it can follow"
+        )
     cam_from_world = lie.se3_inverse(a["world_from_rig"])
     hit = a["por/outcome"] == "hit" if "por/outcome" in a else np.zeros(0, bool)
     regards = a["por/points"][hit] if hit.size else np.empty((0, 3))

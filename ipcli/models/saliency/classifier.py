@@ -69,7 +69,12 @@ def groups_used(p: Classifying) -> tuple[str, ...]:
 
 
 def learn(
-    table: np.ndarray, labels: np.ndarray, groups: Sequence[str], margin: float, p: Classifying, rng: np.random.Generator
+    table: np.ndarray,
+    labels: np.ndarray,
+    groups: Sequence[str],
+    margin: float,
+    p: Classifying,
+    rng: np.random.Generator,
 ) -> Learnt:
     """Learn from rows (n, COUNT) with labels +1 and -1; `margin` (metres) widens the task domain.
 
@@ -197,7 +202,12 @@ def error_rates(margins: np.ndarray, labels: np.ndarray) -> ErrorRates:
 
 
 def cross_validated(
-    table: np.ndarray, labels: np.ndarray, folds: np.ndarray, groups: Sequence[str], margin: float, p: Classifying,
+    table: np.ndarray,
+    labels: np.ndarray,
+    folds: np.ndarray,
+    groups: Sequence[str],
+    margin: float,
+    p: Classifying,
     rng: np.random.Generator,
 ) -> tuple[np.ndarray, dict[int, Learnt]]:
     """Margins (n,) of rows by functions that have not seen their fold, and those functions; NaN where none can be

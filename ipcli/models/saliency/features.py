@@ -75,9 +75,7 @@ class NodeFeatures:
     place: np.ndarray  # (n,) where on the grid each node is, row by row
 
 
-def of_nodes(
-    sub: Subsequence, surface: PlateSurface, camera: Camera, start: np.ndarray, p: Membranes
-) -> NodeFeatures:
+def of_nodes(sub: Subsequence, surface: PlateSurface, camera: Camera, start: np.ndarray, p: Membranes) -> NodeFeatures:
     """The table of a subsequence; `start` (3,) is where the search began, the origin of (F1)."""
     world_from_cam = np.linalg.inv(sub.cam_from_world)
     place = np.flatnonzero(surface.known.ravel())
@@ -164,7 +162,9 @@ def _sampled(image: np.ndarray, pixels: np.ndarray) -> np.ndarray:
     from scipy.ndimage import map_coordinates
 
     at = pixels.T[::-1]
-    return np.stack([map_coordinates(image[..., k], at, order=1, mode="nearest") for k in range(image.shape[2])], axis=1)
+    return np.stack(
+        [map_coordinates(image[..., k], at, order=1, mode="nearest") for k in range(image.shape[2])], axis=1
+    )
 
 
 def columns_of(groups: tuple[str, ...]) -> np.ndarray:

@@ -9,12 +9,12 @@ FINEST = 0.01  # metres
 
 
 class GatheredCloud:
-    """Points (n, 3) with values (n, c); those of one voxel become their mean, and voxels grow when there are too many."""
+    """Points (n, 3) with values (n, c); those of a voxel become their mean, and voxels grow when there are too many."""
 
     def __init__(self, width: int, most: int = MOST):
         self.most, self.voxel = most, FINEST
         self.rows = np.empty((0, 3 + width))
-        self.counts = np.empty(0)
+        self.counts: np.ndarray = np.empty(0)
 
     def add(self, points: np.ndarray, values: np.ndarray) -> None:
         """Take these points in."""

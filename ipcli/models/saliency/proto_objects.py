@@ -67,7 +67,8 @@ def find(
 
 def lasting(points: np.ndarray, subsequences: np.ndarray, radius: float) -> np.ndarray:
     """The track of each proto-object (n,): one that lies within a radius of an earlier track's first joins it."""
-    tracks, firsts = np.full(len(points), -1), []
+    tracks = np.full(len(points), -1)
+    firsts: list[np.ndarray] = []
     for k in np.argsort(subsequences, kind="stable"):
         near = [t for t, place in enumerate(firsts) if np.linalg.norm(points[k] - place) < radius]
         if near:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -155,7 +156,7 @@ def _judge(rows: Rows, origin: np.ndarray, p: Scene, seed: int, notes: list[str]
     if known.any() and len(np.unique(rows.labels[known])) == 2:
         whole = classifier.calibrated(whole, margins[known], rows.labels[known])
     by_fold = {fold: _like(function, whole) for fold, function in by_fold.items()}
-    functions = {}
+    functions: dict[int, tuple[Learnt, ...]] = {}
     if p.classifying.split == "subsequence":
         for number in np.unique(rows.subsequence):
             fold = int(folds[rows.subsequence == number][0])
@@ -197,11 +198,8 @@ class _Found:
             excited = features.excited(nodes.membrane, learnt)
         window = max(sub.times[1] - sub.times[0], 1e-3)
         energy = membranes.energies(excited.sigma, excited.z, excited.radius, window, p.membranes)
-        if p.excitation == "learnt":
-            energy = np.where(self.judge.elicited(sub.number, nodes.table), energy, 0.0)
-        domain = self.judge.domain()
-        if p.domain == "limited" and domain is not None:
-            energy = np.where(features.inside(nodes.points - self.origin, domain), energy, 0.0)
+        if p.domain == "limited":
+            energy = np.where(self._within_domain(sub.number, nodes), energy, 0.0)
         shown = learnt if np.isfinite(learnt).all() else _ranks(energy)
         self.cloud.add(nodes.points, np.stack([shown, energy, prepared.labels > 0, nodes.table[:, 3]], axis=1))
         self.scores.append(worth.of_subsequence(nodes.table, prepared.labels, learnt, energy))
@@ -216,6 +214,16 @@ class _Found:
             self.objects.append((sub.number, hit, item.energy, float(shown[item.patch].mean()), *sub.times))
             self.places.append(nodes.points[item.node])
         self._draw(prepared, shown, [item.patch for item in found], first)
+
+    def _within_domain(self, number: int, nodes: features.NodeFeatures) -> np.ndarray:
+        """Nodes in the task domain, and in that which the learnt function elicits where it excites the membranes."""
+        domain = self.judge.domain()
+        allowed = np.ones(len(nodes.points), bool)
+        if domain is not None:
+            allowed &= features.inside(nodes.points - self.origin, domain)
+        if self.p.excitation == "learnt":
+            allowed &= self.judge.elicited(number, nodes.table)
+        return allowed
 
     def _draw(self, prepared: Prepared, shown: np.ndarray, patches: list[np.ndarray], first: int) -> None:
         """Maps, points of regard and outlines in the pictures of a subsequence."""
@@ -290,7 +298,7 @@ def _scene_arrays(f: _Found) -> Arrays:
         "hits": _hits(objects, sub),
         "rankings": np.array(worth.RANKED),
         "extents": np.array(f.extents).reshape(-1, 2),
-        "radius": np.float64(f.p.radius),
+        "radius": np.array(f.p.radius, np.float64),
     }
     return arrays | _picture_arrays(f)
 
@@ -336,8 +344,6 @@ def model_of(arrays: Arrays) -> Learnt | None:
     """The learnt function of an artefact's fields; None where nothing was learnt."""
     if "model/columns" not in arrays:
         return None
-    values = {name: arrays[f"model/{name}"] for name in MODEL}
-    scalars = {name: float(values[name]) for name in ("gamma", "offset", "threshold")}
-    return Learnt(**(values | scalars))
-
-
+    values: dict[str, Any] = {name: arrays[f"model/{name}"] for name in MODEL}
+    values |= {name: float(values[name]) for name in ("gamma", "offset", "threshold")}
+    return Learnt(**values)

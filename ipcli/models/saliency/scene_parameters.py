@@ -52,7 +52,9 @@ class Classifying:
     landmarks: int = option(200, "Points that the kernel is built on.", low=8)
     most: int = option(20_000, "Most points that are learnt from.", low=100)
     leave_out: str = option(
-        "F1,F4", "Groups of features not used: place and time let neighbours vouch for each other.", flag="--leave-out"
+        "F1,F4",
+        "Groups of features not used, or none: place and time let neighbours vouch for each other.",
+        flag="--leave-out",
     )
 
 
@@ -65,7 +67,8 @@ class Scene:
         unit="m",
     )  # fmt: skip
     domain: str = option(
-        "limited", "Where proto-objects may arise: all of the surface, or the task domain of (F3).", flag="--domain",
+        "limited", "Where proto-objects may arise: anywhere, or in the task domain of (F3) where the learnt "
+        "function is above its threshold.", flag="--domain",
         choices=("limited", "free"),
     )  # fmt: skip
     objects: int = option(3, "Most proto-objects of a subsequence.", flag="--objects", low=1)

@@ -110,10 +110,11 @@ def curvatures(
     """Unit normals (3.12), Gaussian (3.14) and mean curvature (3.15) from derivatives (..., 3) of a surface."""
     cross = np.cross(du, dv)
     normals = cross / np.maximum(np.linalg.norm(cross, axis=-1, keepdims=True), 1e-300)
-    e, f, g = ((a * b).sum(axis=-1) for a, b in ((du, du), (du, dv), (dv, dv)))
-    l, m, n = ((second * normals).sum(axis=-1) for second in (duu, duv, dvv))
-    determinant = np.maximum(e * g - f**2, 1e-300)
-    return normals, (l * n - m**2) / determinant, (e * n - 2 * f * m + g * l) / (2 * determinant)
+    first, mixed, second = ((a * b).sum(axis=-1) for a, b in ((du, du), (du, dv), (dv, dv)))
+    uu, uv, vv = ((bend * normals).sum(axis=-1) for bend in (duu, duv, dvv))
+    determinant = np.maximum(first * second - mixed**2, 1e-300)
+    mean = (first * vv - 2 * mixed * uv + second * uu) / (2 * determinant)
+    return normals, (uu * vv - uv**2) / determinant, mean
 
 
 def _near(at: np.ndarray, shape: tuple[int, int]) -> np.ndarray:

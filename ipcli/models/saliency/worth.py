@@ -11,26 +11,30 @@ from ipcli import rng
 from ipcli.models.saliency import classifier, features
 from ipcli.models.saliency.scene_parameters import Scene
 
-RANKED = (
-    "learnt function", "membranes as used", *(column.name for column in features.COLUMNS if column.group not in ("F1", "F3", "F4"))
-)  # fmt: skip
-SHUFFLES = 1  # of a group's columns, to see what it does for a function
+TASK = ("F1", "F3", "F4")  # groups that say nothing within one subsequence, or only once somebody looked
+SCORED = tuple(k for k, column in enumerate(features.COLUMNS) if column.group not in TASK)
+RANKED = ("learnt function", "membranes as used", *(features.COLUMNS[k].name for k in SCORED))
 PAIRED = 2_000  # rows on which groups are compared
 
 
 def of_subsequence(table: np.ndarray, labels: np.ndarray, learnt: np.ndarray, energy: np.ndarray) -> np.ndarray:
     """Areas under the curve (len(RANKED),) of attended points against those nobody looked at; NaN where unknown."""
     known = labels != 0
-    columns = [k for k, column in enumerate(features.COLUMNS) if column.group not in ("F1", "F3", "F4")]
-    scores = [learnt, energy, *(table[:, k] for k in columns)]
+    scores = [learnt, energy, *(table[:, k] for k in SCORED)]
     return np.array([classifier.ranking(score[known], labels[known]) for score in scores])
 
 
 def table(
-    rows: np.ndarray, labels: np.ndarray, subsequence: np.ndarray, folds: np.ndarray, margins: np.ndarray,
-    groups: Sequence[str], p: Scene, seed: int,
+    rows: np.ndarray,
+    labels: np.ndarray,
+    subsequence: np.ndarray,
+    folds: np.ndarray,
+    margins: np.ndarray,
+    groups: Sequence[str],
+    p: Scene,
+    seed: int,
 ) -> dict[str, np.ndarray]:
-    """Error rates of the function (table 3.1), of every few groups together, and of what elimination leaves."""  # fmt: skip
+    """Error rates of the function (table 3.1), of every few groups together, and of what elimination leaves."""
     by_fold = []
     for fold in np.unique(folds):
         mine = (folds == fold) & np.isfinite(margins)
@@ -57,7 +61,9 @@ def _texts(values) -> np.ndarray:
     return np.array(list(values), dtype=np.str_).reshape(-1)
 
 
-def _balanced(rows: np.ndarray, labels: np.ndarray, folds: np.ndarray, groups: Sequence[str], p: Scene, seed: int) -> float:
+def _balanced(
+    rows: np.ndarray, labels: np.ndarray, folds: np.ndarray, groups: Sequence[str], p: Scene, seed: int
+) -> float:
     draw = rng.stream(seed, "saliency error rate", " ".join(groups))
     margins, _ = classifier.cross_validated(rows, labels, folds, groups, p.radius, p.classifying, draw)
     known = np.isfinite(margins)

@@ -28,13 +28,17 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
 
 def _verdict(a: Mapping[str, np.ndarray]) -> str:
     tracks = len(np.unique(a["objects/track"]))
-    words = f"{len(a['objects/track'])} proto-objects at {tracks} places in {len(a['subsequences/frames'])} subsequences."
+    words = (
+        f"{len(a['objects/track'])} proto-objects at {tracks} places in {len(a['subsequences/frames'])} subsequences."
+    )
     if np.isfinite(a["hits"]).all():
         (now, now_chance), (ever, ever_chance) = a["hits"].tolist()
         words += f" {percent(ever)} of them lie where somebody looked, {percent(now)} at that very time; by chance "
         words += f"{percent(ever_chance)} and {percent(now_chance)} would."
     if len(a.get("folds/rates", ())):
-        words += f" The learnt function has a balanced error rate of {number(float(np.nanmean(a['folds/rates'][:, 4])))}."
+        words += (
+            f" The learnt function has a balanced error rate of {number(float(np.nanmean(a['folds/rates'][:, 4])))}."
+        )
     return words
 
 
@@ -60,7 +64,9 @@ def marked(a: Mapping[str, np.ndarray], n: int) -> np.ndarray:
 def _frames(a: Mapping[str, np.ndarray], widest: int) -> Markup:
     shown = []
     for n, frame in enumerate(a["pictures/frames"]):
-        shown.append(figure(photograph(marked(a, n), widest), f"Frame {frame}", f"subsequence {a['pictures/subsequence'][n]}"))
+        shown.append(
+            figure(photograph(marked(a, n), widest), f"Frame {frame}", f"subsequence {a['pictures/subsequence'][n]}")
+        )
         shown.append(figure(draw(a["pictures/maps"][n], SALIENCY, widest), f"Saliency, frame {frame}", scale=SALIENCY))
     lead = (
         "Points of regard in red, proto-objects in green (figure 3.15); beside each picture the saliency of its "
@@ -112,7 +118,9 @@ def _rankings(a: Mapping[str, np.ndarray]) -> Markup:
         "How often a point that was looked at scores above one that nobody looked at, within a subsequence: 0.5 is "
         "chance, below it the opposite predicts."
     )
-    return section("What each score is worth", table(["score", "area under the curve", "subsequences"], rows), lead=lead)
+    return section(
+        "What each score is worth", table(["score", "area under the curve", "subsequences"], rows), lead=lead
+    )
 
 
 def _groups(a: Mapping[str, np.ndarray]) -> list[Markup]:
@@ -122,11 +130,16 @@ def _groups(a: Mapping[str, np.ndarray]) -> list[Markup]:
     listed = [[str(a["groups/names"][n]), number(float(a["groups/balanced"][n]))] for n in order]
     best = [row for row in listed if not row[0].startswith("all but")][:12]
     rest = [row for row in listed[::-1] if row[0].startswith("all but")]
-    path = [[str(name), number(float(value))] for name, value in zip(a["elimination/names"], a["elimination/balanced"], strict=True)]
+    path = [
+        [str(name), number(float(value))]
+        for name, value in zip(a["elimination/names"], a["elimination/balanced"], strict=True)
+    ]
     head = ["groups of features", "balanced error rate"]
     parts = [table(head, best), element("p", "All but one, the one that is missed most first:"), table(head, rest)]
     parts += [element("p", "Elimination, from all groups to one:"), table(head, path)]
-    return [section("Groups of features", *parts, lead="The best few groups taken together, and what elimination leaves.")]
+    return [
+        section("Groups of features", *parts, lead="The best few groups taken together, and what elimination leaves.")
+    ]
 
 
 def _subsequences(a: Mapping[str, np.ndarray]) -> Markup:
