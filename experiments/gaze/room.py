@@ -113,7 +113,7 @@ def _attention(rng: np.random.Generator, end: float, dwell: tuple[float, float])
 
 
 def _head(rng, switches: np.ndarray, towards: np.ndarray, end: float, still: bool) -> Callable[[float], np.ndarray]:
-    """world_from_rig at any time: a smooth loop and a head that turns after the eyes `towards` one place after the next."""
+    """world_from_rig at any time: a smooth loop; the head turns after the eyes `towards` one place after the next."""
     phase = rng.uniform(0, 2 * np.pi)
     grid = np.arange(-2.0, end + 2.0, 0.01)
     index = np.clip(np.searchsorted(switches, grid, side="right") - 1, 0, len(towards) - 1)

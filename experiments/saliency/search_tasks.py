@@ -11,6 +11,7 @@ import colorsys
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -125,7 +126,8 @@ def experiment(course: room.Course, seed: int, place: room.Place) -> dict[str, n
         "subsequence": focus, "keyframe": np.isin(np.arange(count), starts).astype(np.uint8),
         "gaze/times": gaze.times, "gaze/pixels": gaze.pixels,
         "gaze/valid": gaze.valid.astype(np.uint8), "gaze/labels": gaze.labels,
-        "por/points": regards, "por/frame": frame, "por/outcome": np.where(np.isfinite(regards).all(axis=1), "hit", "outside"),
+        "por/points": regards, "por/frame": frame,
+        "por/outcome": np.where(np.isfinite(regards).all(axis=1), "hit", "outside"),
         "map/points": np.concatenate(maps), "map/grey": np.full(len(seen), 128, np.uint8),
         "map/seen": np.ones(len(seen), np.int64),
         "map/sightings": np.stack([seen, np.zeros(len(seen), int), np.arange(len(seen))], axis=1),
@@ -180,10 +182,11 @@ def _mapped(walk: room.Walk, k: int, rng: np.random.Generator) -> np.ndarray:
 def _bookkeeping(recording: HeadRecording, count: int) -> dict[str, np.ndarray]:
     """What an experiment holds beside: as if every frame had been found without doubt."""
     assert recording.gaze is not None
-    unknown, zero, none = np.full(count, np.nan), np.zeros(count, np.int64), np.full(len(recording.gaze.times), -1)
-    many = len(none)
-    return rig_arrays(recording.cameras) | {
-        "covariance": np.full((count, 6, 6), np.nan), "online": np.asarray(recording.truth), "lost": zero.astype(np.uint8),
+    many = len(recording.gaze.times)
+    unknown, zero, none = np.full(count, np.nan), np.zeros(count, np.int64), np.full(many, -1)
+    arrays: dict[str, Any] = {
+        "covariance": np.full((count, 6, 6), np.nan), "online": np.asarray(recording.truth),
+        "lost": zero.astype(np.uint8),
         "how": np.full(count, "predicted"), "reasons": np.full(count, "", "U1"), "in_map": np.ones(count, np.uint8),
         "matched": zero, "stereo": zero, "error": unknown, "vertical": unknown, "gric_f": unknown, "gric_h": unknown,
         "change": unknown, "parted": unknown, "observer": np.full((count, 3), np.nan),
@@ -196,6 +199,7 @@ def _bookkeeping(recording: HeadRecording, count: int) -> dict[str, np.ndarray]:
         "fixations/covariance": np.empty((0, 3, 3)),
         "shown/frame": np.empty(0, np.int64), "shown/sample": np.empty(0, np.int64), "shown/pixels": np.empty((0, 2)),
     }  # fmt: skip
+    return arrays | rig_arrays(recording.cameras)
 
 
 def main() -> None:

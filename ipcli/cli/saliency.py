@@ -22,8 +22,9 @@ def main(source: Path, output: Path, params: Saliency, run: Run) -> None:
     """Tell what is likely to be looked at in the scene of SOURCE, and generate its proto-objects.
 
     SOURCE is an experiment of gaze-sfm, whose points of regard are learnt from, or views with depth and poses, for
-    which --model gives what was learnt. Beside the output come a page (.html), a cloud (.ply) and a table of
-    proto-objects (.objects.csv). `saliency train|predict|evaluate` do the same for pictures and meshes.
+    which --model gives what was learnt. Beside the output come a page (.html), a cloud (.ply; .turn.html to
+    be turned), membranes to be run in time (.membranes.html) and a table of proto-objects (.objects.csv).
+    `saliency train|predict|evaluate` do the same for pictures and meshes.
     """
     from ipcli.stages.saliency import saliency
 

@@ -94,6 +94,11 @@ SALIENCY = Kind(
         Field("groups/balanced", "float64", ("g",), "1", "Their balanced error rate (3.35)", True, KNOWN),
         Field("elimination/names", "str", ("i",), "", "Groups left by elimination, from all to one", True),
         Field("elimination/balanced", "float64", ("i",), "1", "Their balanced error rate", True, KNOWN),
+        Field("membranes/parameters", "float64", ("q", 3), "1", "sigma, z and radius of the strongest", True, FINITE),
+        Field("membranes/times", "float64", ("j",), "s", "Moments at which they are shown", True, FINITE),
+        Field(
+            "membranes/shapes", "float32", ("q", "j", "ma", "mb"), "1", "Displacement by radius, angle", True, FINITE
+        ),
         *MODEL,
         Field("notes", "str", ("n",), "", "What was left out or is doubtful, and why"),
         Field("source", "str", (), "", "Kind of recording"),

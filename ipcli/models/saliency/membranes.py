@@ -87,6 +87,18 @@ def displacement(
     return np.einsum("mnr,mna,mnt->tra", shape, turn, swing, optimize=True)
 
 
+def shown(parameters: np.ndarray, window: float, p: Membranes) -> dict[str, np.ndarray]:
+    """Displacements (n, times, rings, angles) of membranes with these sigma, z and radius (n, 3), to be looked at."""
+    times, theta = np.linspace(0, window, STEPS), np.arange(TURN) * (2 * np.pi / TURN)
+    rims = np.linspace(0, 1, RING + 1)
+    shapes = [displacement(s, z, a, a * rims, theta, times, p) for s, z, a in parameters.tolist()]
+    return {
+        "membranes/parameters": parameters,
+        "membranes/times": times,
+        "membranes/shapes": np.array(shapes, np.float32).reshape(len(parameters), STEPS, RING + 1, TURN),
+    }
+
+
 def speed(p: Membranes) -> float:
     """c of (3.21) that gives a membrane of radius 1 its base frequency."""
     return 2 * np.pi * p.frequency / FIRST_ROOT

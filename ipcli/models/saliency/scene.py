@@ -25,6 +25,7 @@ from ipcli.progress import Progress, silent
 KEPT = 24  # prepared subsequences that are kept from the first pass for the second
 SHOWN = 48  # pictures that the artefact keeps, with their maps
 HITS = {1: 2, 0: 1, -1: 0}  # looked at in this subsequence, at some other time, never
+STRONGEST = 3  # membranes that the artefact keeps
 NEAR = 2  # frames: points of regard drawn in a picture
 Arrays = dict[str, np.ndarray]
 
@@ -184,6 +185,7 @@ class _Found:
         self.objects: list[tuple] = []
         self.places: list[np.ndarray] = []
         self.pictures: list[tuple] = []
+        self.excited: list[tuple[float, float, float]] = []
         self.regards: list[np.ndarray] = []
         self.outlines: list[np.ndarray] = []
         self.extents: list[np.ndarray] = []
@@ -213,6 +215,7 @@ class _Found:
             hit = HITS[int(prepared.labels[item.node])] if len(self.sequence.regards) else -1
             self.objects.append((sub.number, hit, item.energy, float(shown[item.patch].mean()), *sub.times))
             self.places.append(nodes.points[item.node])
+            self.excited.append((excited.sigma[item.node], excited.z[item.node], excited.radius[item.node]))
         self._draw(prepared, shown, [item.patch for item in found], first)
 
     def _within_domain(self, number: int, nodes: features.NodeFeatures) -> np.ndarray:
@@ -300,7 +303,10 @@ def _scene_arrays(f: _Found) -> Arrays:
         "extents": np.array(f.extents).reshape(-1, 2),
         "radius": np.array(f.p.radius, np.float64),
     }
-    return arrays | _picture_arrays(f)
+    strongest = np.argsort(-objects[:, 2], kind="stable")[:STRONGEST]
+    window = float((sub[:, 5] - sub[:, 4]).mean())
+    vibrating = membranes.shown(np.array(f.excited).reshape(-1, 3)[strongest], window, f.p.membranes)
+    return arrays | _picture_arrays(f) | vibrating
 
 
 def _hits(objects: np.ndarray, sub: np.ndarray) -> np.ndarray:

@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from ipcli.stages.kit.artefact import Outcome
 
 KIND = "saliency"
+TURNED = 40_000  # points of the cloud that is turned
+GREEN = (60, 190, 90)
 
 
 def run(source: Path, output: Path, params: Params, run: Run, progress: Progress = silent) -> Outcome:
-    """Write the artefact and beside it a PLY, a table of proto-objects and a page.
+    """Write the artefact and beside it a PLY, a table of proto-objects, a page, and pages of cloud and membranes to be turned.
 
     NoSolution when no part of the recording has a surface.
     """
@@ -39,6 +41,7 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
         return scene.saliency(sequence, params.scene, given, run.seed, progress)
 
     beside = {output.with_suffix(".ply"): write_ply, output.with_suffix(".objects.csv"): write_objects}
+    beside |= {output.with_suffix(".membranes.html"): write_membranes, output.with_suffix(".turn.html"): write_turnable}
     job = Job(output, KIND, "saliency", params, (*sequence.files, *models), beside | page(output, KIND))
     return make(job, build, run)
 
@@ -56,18 +59,48 @@ def _model(path: Path) -> Learnt:
 def write_ply(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
     """Points coloured by their saliency, which is a property too, as are energy, curvature and who looked."""
     from ipcli.io.files import ply
-    from ipcli.report.kit.pictures import LEVELS, RESERVED, Scale, palette
 
-    scale = Scale(0.0, 1.0, "magma")
-    index = (scale.position(a["points/saliency"]) * (LEVELS - 1)).astype(int) + RESERVED
     names = ("saliency", "energy", "attended", "curvature")
     ply.write(
         path,
         a["points/places"],
-        colors=palette(scale.palette)[index],
+        colors=_coloured(a["points/saliency"]),
         extra={name: a[f"points/{name}"] for name in names},
         comments=(f"ipcli saliency, unit m, digest {provenance['digest']}",),
     )
+
+
+def write_membranes(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """The membranes of the strongest proto-objects, to be turned and run in time."""
+    from ipcli.io.files import atomic
+    from ipcli.report.saliency.membranes import turnable
+
+    atomic.write_text(path, turnable(a))
+
+
+def write_turnable(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """The cloud coloured by saliency, to be turned, with proto-objects as green spheres of dots."""
+    import trimesh
+    from trimesh.viewer import scene_to_html
+
+    from ipcli.io.files import atomic
+
+    chosen = slice(None, None, max(1, len(a["points/places"]) // TURNED))
+    parts = [(a["points/places"][chosen], _coloured(a["points/saliency"][chosen]))]
+    ball = trimesh.creation.icosphere(3, float(a["radius"])).vertices
+    for track in np.unique(a["objects/track"]):
+        place = a["objects/places"][a["objects/track"] == track].mean(axis=0)
+        parts.append((place + ball, np.tile(np.array(GREEN, np.uint8), (len(ball), 1))))
+    upright = np.diag([1.0, -1.0, -1.0])  # y up, as viewers have it
+    cloud = trimesh.PointCloud(np.concatenate([p for p, _ in parts]) @ upright, np.concatenate([c for _, c in parts]))
+    atomic.write_text(path, scene_to_html(trimesh.Scene([cloud])))
+
+
+def _coloured(saliency: np.ndarray) -> np.ndarray:
+    from ipcli.report.kit.pictures import LEVELS, RESERVED, Scale, palette
+
+    scale = Scale(0.0, 1.0, "magma")
+    return palette(scale.palette)[(scale.position(saliency) * (LEVELS - 1)).astype(int) + RESERVED]
 
 
 def write_objects(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
