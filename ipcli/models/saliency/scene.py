@@ -19,7 +19,7 @@ from ipcli.measurements.subsequences import PosedSequence, Subsequence, seen_at
 from ipcli.models.saliency import classifier, features, membranes, proto_objects, regions, surface, worth
 from ipcli.models.saliency.classifier import Learnt
 from ipcli.models.saliency.gathered import GatheredCloud
-from ipcli.models.saliency.scene_parameters import Scene
+from ipcli.models.saliency.scene_parameters import SceneSaliency
 from ipcli.progress import Progress, silent
 
 KEPT = 24  # prepared subsequences that are kept from the first pass for the second
@@ -41,7 +41,7 @@ class Prepared:
 
 
 @dataclass(frozen=True, eq=False)
-class Judge:
+class CrossPredictor:
     """What predicts each subsequence."""
 
     functions: dict[int, tuple[Learnt, ...]]  # by subsequence
@@ -69,7 +69,7 @@ class Judge:
 
 
 def saliency(
-    sequence: PosedSequence, p: Scene, given: Sequence[Learnt] = (), seed: int = 0, progress: Progress = silent
+    sequence: PosedSequence, p: SceneSaliency, given: Sequence[Learnt] = (), seed: int = 0, progress: Progress = silent
 ) -> Arrays:
     """The fields of a `saliency` artefact. `given` functions are applied as they are; without, one is learnt from the
     recording's own points of regard and each subsequence predicted by one that has not seen it.
@@ -85,7 +85,7 @@ def saliency(
 
     rows = _sampled(sequence, prepare, p, seed, progress)
     notes = [*sequence.notes]
-    judge, learnt = (Judge({}, tuple(given)), {}) if given else _judge(rows, origin, p, seed, notes)
+    judge, learnt = (CrossPredictor({}, tuple(given)), {}) if given else _judge(rows, origin, p, seed, notes)
     found = _Found(sequence, p, judge, origin)
     for number in range(sequence.count):
         prepared = prepare(number)
@@ -101,7 +101,7 @@ def saliency(
     }  # fmt: skip
 
 
-def _prepared(sequence: PosedSequence, number: int, origin: np.ndarray, p: Scene) -> Prepared | str:
+def _prepared(sequence: PosedSequence, number: int, origin: np.ndarray, p: SceneSaliency) -> Prepared | str:
     """The subsequence, or why it has no surface."""
     sub = sequence.load(number)
     pose = sub.cam_from_world
@@ -122,7 +122,7 @@ class Rows:
     subsequence: np.ndarray
 
 
-def _sampled(sequence: PosedSequence, prepare, p: Scene, seed: int, progress: Progress) -> Rows:
+def _sampled(sequence: PosedSequence, prepare, p: SceneSaliency, seed: int, progress: Progress) -> Rows:
     """As many points of each subsequence, half of them attended where there are as many."""
     quota = max(p.classifying.most // (2 * sequence.count), 25)
     tables, labels, numbers = [np.empty((0, features.COUNT), np.float32)], [np.empty(0, int)], [np.empty(0, int)]
@@ -141,11 +141,13 @@ def _sampled(sequence: PosedSequence, prepare, p: Scene, seed: int, progress: Pr
     return Rows(np.concatenate(tables), np.concatenate(labels), np.concatenate(numbers))
 
 
-def _judge(rows: Rows, origin: np.ndarray, p: Scene, seed: int, notes: list[str]) -> tuple[Judge, Arrays]:
+def _judge(
+    rows: Rows, origin: np.ndarray, p: SceneSaliency, seed: int, notes: list[str]
+) -> tuple[CrossPredictor, Arrays]:
     """Learn from the recording itself, cross-validated."""
     if len(np.unique(rows.subsequence)) < 2 or len(np.unique(rows.labels)) < 2:
         notes.append("nothing is learnt: that takes points of regard in two subsequences. Membranes alone predict")
-        return Judge({}, ()), {}
+        return CrossPredictor({}, ()), {}
     groups = classifier.groups_used(p.classifying)
     folds = classifier.folds_of(rows.subsequence, p.classifying, rng.stream(seed, "saliency folds", ""))
     draw = rng.stream(seed, "saliency landmarks", "")
@@ -165,7 +167,7 @@ def _judge(rows: Rows, origin: np.ndarray, p: Scene, seed: int, notes: list[str]
     else:
         notes.append("random split: points of one region lie on both sides, so the error rates flatter")
     table = worth.table(rows.table, rows.labels, rows.subsequence, folds, margins, groups, p, seed)
-    return Judge(functions, (whole,)), table | model_arrays(whole)
+    return CrossPredictor(functions, (whole,)), table | model_arrays(whole)
 
 
 def _like(function: Learnt, whole: Learnt) -> Learnt:
@@ -177,7 +179,7 @@ def _like(function: Learnt, whole: Learnt) -> Learnt:
 class _Found:
     """What is gathered from subsequence to subsequence."""
 
-    def __init__(self, sequence: PosedSequence, p: Scene, judge: Judge, origin: np.ndarray):
+    def __init__(self, sequence: PosedSequence, p: SceneSaliency, judge: CrossPredictor, origin: np.ndarray):
         self.sequence, self.p, self.judge, self.origin = sequence, p, judge, origin
         self.cloud = GatheredCloud(4)
         self.subsequences: list[tuple] = []

@@ -59,7 +59,7 @@ class Classifying:
 
 
 @dataclass(frozen=True)
-class Scene:
+class SceneSaliency:
     """All that is chosen about a scene."""
 
     radius: float = option(

@@ -9,7 +9,7 @@ import numpy as np
 
 from ipcli import rng
 from ipcli.models.saliency import classifier, features
-from ipcli.models.saliency.scene_parameters import Scene
+from ipcli.models.saliency.scene_parameters import SceneSaliency
 
 TASK = ("F1", "F3", "F4")  # groups that say nothing within one subsequence, or only once somebody looked
 SCORED = tuple(k for k, column in enumerate(features.COLUMNS) if column.group not in TASK)
@@ -31,7 +31,7 @@ def table(
     folds: np.ndarray,
     margins: np.ndarray,
     groups: Sequence[str],
-    p: Scene,
+    p: SceneSaliency,
     seed: int,
 ) -> dict[str, np.ndarray]:
     """Error rates of the function (table 3.1), of every few groups together, and of what elimination leaves."""
@@ -62,7 +62,7 @@ def _texts(values) -> np.ndarray:
 
 
 def _balanced(
-    rows: np.ndarray, labels: np.ndarray, folds: np.ndarray, groups: Sequence[str], p: Scene, seed: int
+    rows: np.ndarray, labels: np.ndarray, folds: np.ndarray, groups: Sequence[str], p: SceneSaliency, seed: int
 ) -> float:
     draw = rng.stream(seed, "saliency error rate", " ".join(groups))
     margins, _ = classifier.cross_validated(rows, labels, folds, groups, p.radius, p.classifying, draw)
@@ -71,7 +71,7 @@ def _balanced(
 
 
 def eliminated(
-    rows: np.ndarray, labels: np.ndarray, folds: np.ndarray, groups: Sequence[str], p: Scene, seed: int
+    rows: np.ndarray, labels: np.ndarray, folds: np.ndarray, groups: Sequence[str], p: SceneSaliency, seed: int
 ) -> list[tuple[tuple[str, ...], float]]:
     """Groups that are left and their error rate, from all to one: the group goes whose shuffling hurts least."""
     left, path = tuple(groups), []

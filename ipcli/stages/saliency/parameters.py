@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ipcli.models.saliency.scene_parameters import Scene
+from ipcli.models.saliency.scene_parameters import SceneSaliency
 from ipcli.params import option
 
 
@@ -16,4 +16,4 @@ class Saliency:
         "", "Earlier results X.h5,Y.h5 of saliency whose functions are applied, as their mean (3.20).", flag="--model"
     )
     format: str = option("auto", "Layout of views, where they are no artefact.", flag="--format")
-    scene: Scene = field(default_factory=Scene)
+    scene: SceneSaliency = field(default_factory=SceneSaliency)

@@ -8,11 +8,11 @@ import pytest
 from ipcli.errors import NoSolution
 from ipcli.measurements.subsequences import PosedSequence
 from ipcli.models.saliency import scene
-from ipcli.models.saliency.scene_parameters import Classifying, Scene, SurfaceFit
+from ipcli.models.saliency.scene_parameters import Classifying, SceneSaliency, SurfaceFit
 from ipcli.schema import kind, validate
 from tests.fixtures import search
 
-SMALL = Scene(
+SMALL = SceneSaliency(
     radius=0.2, objects=2, group_size=0, surface=SurfaceFit(nodes=1500), classifying=Classifying(landmarks=60)
 )  # fmt: skip
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ipcli.models.saliency import features, worth
-from ipcli.models.saliency.scene_parameters import Classifying, Scene
+from ipcli.models.saliency.scene_parameters import Classifying, SceneSaliency
 
 GROUPS = ("F2", "F5", "F6", "height")
 
@@ -18,7 +18,7 @@ def rows(count=900):
 
 def test_the_group_that_tells_is_the_best_and_the_last_that_is_left():
     table, labels, numbers = rows()
-    p = Scene(group_size=1, classifying=Classifying(landmarks=40))
+    p = SceneSaliency(group_size=1, classifying=Classifying(landmarks=40))
     found = worth.table(table, labels, numbers, numbers % 3, table[:, 6] - 1.5, GROUPS, p, 0)
     assert found["groups/names"][found["groups/balanced"].argmin()] in (
         "F5",

@@ -5,7 +5,7 @@ import pytest
 
 from ipcli import report
 from ipcli.models.saliency import scene
-from ipcli.models.saliency.scene_parameters import Classifying, Scene, SurfaceFit
+from ipcli.models.saliency.scene_parameters import Classifying, SceneSaliency, SurfaceFit
 from ipcli.report.saliency.saliency import GREEN, RED, marked
 from tests.fixtures import search
 from tests.fixtures.pages import HOSTILE
@@ -13,7 +13,7 @@ from tests.fixtures.pages import HOSTILE
 
 @pytest.fixture(scope="module")
 def artefact():
-    p = Scene(radius=0.2, surface=SurfaceFit(nodes=900), classifying=Classifying(landmarks=40))
+    p = SceneSaliency(radius=0.2, surface=SurfaceFit(nodes=900), classifying=Classifying(landmarks=40))
     return scene.saliency(search.sequence(4), p)
 
 
@@ -25,7 +25,7 @@ def test_the_page_tells_hits_errors_and_worth_and_escapes_notes(artefact, proven
 
 
 def test_a_page_without_gaze_has_no_table_of_errors(provenance):
-    a = scene.saliency(search.sequence(2, gaze=False), Scene(surface=SurfaceFit(nodes=900)))
+    a = scene.saliency(search.sequence(2, gaze=False), SceneSaliency(surface=SurfaceFit(nodes=900)))
     page = report.renderer("saliency")(a, provenance)
     assert "The learnt function</h2>" not in page
     assert "by chance" not in page
