@@ -24,7 +24,7 @@ GREEN = (60, 190, 90)
 
 
 def run(source: Path, output: Path, params: Params, run: Run, progress: Progress = silent) -> Outcome:
-    """Write the artefact and beside it a PLY, a table of proto-objects, a page, and pages of cloud and membranes to be turned.
+    """Write the artefact; beside it a PLY, a table of proto-objects, a page, and cloud and membranes to be turned.
 
     NoSolution when no part of the recording has a surface.
     """
@@ -93,7 +93,7 @@ def write_turnable(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[
         parts.append((place + ball, np.tile(np.array(GREEN, np.uint8), (len(ball), 1))))
     upright = np.diag([1.0, -1.0, -1.0])  # y up, as viewers have it
     cloud = trimesh.PointCloud(np.concatenate([p for p, _ in parts]) @ upright, np.concatenate([c for _, c in parts]))
-    atomic.write_text(path, scene_to_html(trimesh.SceneSaliency([cloud])))
+    atomic.write_text(path, scene_to_html(trimesh.Scene([cloud])))
 
 
 def _coloured(saliency: np.ndarray) -> np.ndarray:
