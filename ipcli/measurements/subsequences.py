@@ -6,7 +6,7 @@ Frames of cameras are x right, y down, z forward; metres, seconds; pixels have t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -60,3 +60,27 @@ def seen_at(camera: Camera, cam_from_world: np.ndarray, points: np.ndarray) -> n
     with np.errstate(invalid="ignore"):
         inside = np.logical_and(pixels >= -0.5, pixels <= np.array(camera.size) - 0.5).all(axis=1)
     return np.where(np.asarray(inside)[:, None], pixels, np.nan)
+
+
+def before(camera: Camera, cam_from_world: np.ndarray, points: np.ndarray, cell: int = 4) -> np.ndarray:
+    """Of points (n, 3) of the world those that a camera sees: the nearest of each cell of so many pixels, and others of
+    the cell that lie no more than a twentieth behind it.
+    """
+    pixels = seen_at(camera, cam_from_world, points)
+    seen = np.flatnonzero(np.isfinite(pixels[:, 0]))
+    at = np.floor((pixels[seen] + 0.5) / cell).astype(np.int64)
+    number = at[:, 1] * (camera.size[0] // cell + 2) + at[:, 0]
+    depth = points[seen] @ cam_from_world[2, :3] + cam_from_world[2, 3]
+    nearest = np.full(int(number.max(initial=0)) + 1, np.inf)
+    np.minimum.at(nearest, number, depth)
+    return points[seen[depth <= 1.05 * nearest[number]]]
+
+
+def over_cloud(sequence: PosedSequence, cloud: np.ndarray, files: tuple[Path, ...]) -> PosedSequence:
+    """The recording with another cloud (n, 3) for its scene: of each subsequence what its reference camera sees."""
+
+    def load(number: int) -> Subsequence:
+        sub = sequence.load(number)
+        return replace(sub, cloud=before(sequence.camera, sub.cam_from_world, cloud))
+
+    return replace(sequence, load=load, files=(*sequence.files, *files))

@@ -9,7 +9,7 @@ import numpy as np
 from ipcli.errors import FormatError
 from ipcli.geometry import lie
 from ipcli.geometry.cameras import back_project
-from ipcli.io.files import h5
+from ipcli.io.files import h5, ply
 from ipcli.io.views import layouts
 from ipcli.measurements.recording import Camera
 from ipcli.measurements.subsequences import PosedSequence, Snapshot, Subsequence
@@ -71,6 +71,13 @@ def read_experiment(path: Path) -> PosedSequence:
 
     camera = _at_size(a, (a["pictures"].shape[2], a["pictures"].shape[1]))
     return PosedSequence(len(spans), load, camera, (path,), regards, frames, "gaze-experiment")
+
+
+def read_cloud(path: Path) -> np.ndarray:
+    """Points (n, 3) of a `fusion-cloud` or a PLY. Raises FormatError for anything else."""
+    if path.suffix.lower() == ".ply":
+        return ply.read(path).vertices.astype(np.float64)
+    return h5.read(path, "fusion-cloud", only=lambda name: name == "points").arrays["points"].astype(np.float64)
 
 
 def _middle(values: np.ndarray) -> int:

@@ -28,12 +28,15 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
 
     NoSolution when no part of the recording has a surface.
     """
-    from ipcli.io.saliency.posed import open_posed
+    from ipcli.io.saliency.posed import open_posed, read_cloud
+    from ipcli.measurements.subsequences import over_cloud
     from ipcli.models.saliency import scene
     from ipcli.stages.kit.artefact import Job, make
     from ipcli.stages.kit.pages import page
 
     sequence = open_posed(source, params.format)
+    if params.cloud:
+        sequence = over_cloud(sequence, read_cloud(Path(params.cloud)), (Path(params.cloud),))
     models = tuple(Path(name.strip()) for name in params.model.split(",") if name.strip())
     given = [_model(path) for path in models]
 

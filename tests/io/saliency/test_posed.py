@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ipcli.errors import FormatError
-from ipcli.io.files import h5
-from ipcli.io.saliency.posed import open_posed
+from ipcli.io.files import h5, ply
+from ipcli.io.saliency.posed import open_posed, read_cloud
 from ipcli.measurements.subsequences import seen_at
 from tests.fixtures import fusion_scenes, search
 
@@ -45,6 +45,12 @@ def test_views_are_runs_of_frames_whose_depth_is_the_cloud(tmp_path):
     pixels = seen_at(found.camera, sub.cam_from_world, sub.cloud)
     assert np.isfinite(pixels).all(axis=1).mean() > 0.7
     assert "numbers of frames" in found.notes[0]
+
+
+def test_a_cloud_is_read_from_a_ply(tmp_path):
+    points = np.random.default_rng(0).normal(size=(5, 3)).astype(np.float32)
+    ply.write(tmp_path / "c.ply", points)
+    assert read_cloud(tmp_path / "c.ply") == pytest.approx(points)
 
 
 def test_anything_else_is_a_format_error(tmp_path):
