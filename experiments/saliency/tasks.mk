@@ -16,7 +16,8 @@ SALIENCY_QUICKLY := --set scene.group_size=0
 # by subsequence | free: proto-objects anywhere | random: table 3.1 as printed | printed: membranes excited by curvature | others: (3.20), what was learnt for the other tasks
 SALIENCY_WAY_sequence :=
 SALIENCY_WAY_free := --domain free $(SALIENCY_QUICKLY)
-SALIENCY_WAY_random := --split random --leave-out none --set scene.classifying.penalty=10 $(SALIENCY_QUICKLY)
+SALIENCY_FITTING := classifying.penalty=30 classifying.width=0.7 classifying.landmarks=600 classifying.most=40000
+SALIENCY_WAY_random := --split random --leave-out none $(SALIENCY_FITTING:%=--set scene.%) $(SALIENCY_QUICKLY)
 SALIENCY_WAY_printed := --excitation printed $(SALIENCY_QUICKLY)
 SALIENCY_WAYS := sequence free random printed others
 
