@@ -35,6 +35,9 @@ SECTIONS = {
         "import-recording": Command("Turn a head-mounted recording into one file."),
         "gaze-views": Command("Make views for fuse-depth of a localised recording."),
     },
+    "Saliency": {
+        "saliency": Command("Tell what is likely to be looked at in a scene.", is_script=True),
+    },
     "Depth fusion": {
         "fuse-depth": Command("Fuse depth maps of several views into one.", is_script=True),
         "merge-depth": Command("Join fused depth maps into one coloured cloud."),

@@ -20,6 +20,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -160,6 +161,32 @@ def _epilog(cls: type) -> str | None:
         return None
     rows = [f"  {leaf.key} ({expected(leaf)}): {_help(leaf)}" for leaf in rare]
     return "\b\nSettings for --set / TOML:\n" + "\n".join(rows)
+
+
+def first_word(**words: Callable[[], click.Command]) -> type[click.Command]:
+    """The class of a command whose first argument may be one of these words, each of which is a command of its own."""
+
+    class FirstWord(click.Command):
+        """A command, or the one that its first argument names."""
+
+        def make_context(
+            self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
+        ) -> click.Context:
+            """The context of the command that is asked for."""
+            if args and args[0] in words:
+                return words[args[0]]().make_context(f"{info_name} {args[0]}", args[1:], parent, **extra)
+            return super().make_context(info_name, args, parent, **extra)
+
+        def invoke(self, ctx: click.Context) -> Any:
+            """Run the command that the context is of."""
+            return super().invoke(ctx) if ctx.command is self else ctx.command.invoke(ctx)
+
+    return FirstWord
+
+
+def command(name: str) -> Callable[[], click.Command]:
+    """What loads the command of that name when it is asked for."""
+    return lambda: import_module(f"ipcli.cli.{name.replace('-', '_')}").main
 
 
 @contextmanager

@@ -1,0 +1,22 @@
+"""Options of the saliency commands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ipcli.models.saliency.scene_parameters import SceneSaliency
+from ipcli.params import option
+
+
+@dataclass(frozen=True)
+class Saliency:
+    """What saliency takes."""
+
+    model: str = option(
+        "", "Earlier results X.h5,Y.h5 of saliency whose functions are applied, as their mean (3.20).", flag="--model"
+    )
+    cloud: str = option(
+        "", "Cloud of the scene, of merge-depth or a PLY in the same world, in place of the map.", flag="--cloud"
+    )
+    format: str = option("auto", "Layout of views, where they are no artefact.", flag="--format")
+    scene: SceneSaliency = field(default_factory=SceneSaliency)
