@@ -33,9 +33,9 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
         "ipcli saliency-evaluate",
         verdict,
         join(*map(notice, arrays["notes"].tolist())),
-        _models(arrays),
-        _features(arrays),
-        *(_shown(arrays, name, widest) for name in items(arrays, "shown")),
+        models_table(arrays),
+        features_table(arrays),
+        *shown_items(arrays, widest),
         origin(provenance),
     )
 
@@ -48,7 +48,8 @@ def _cells(values: np.ndarray) -> list[str]:
     return [DASH if np.isnan(v) else f"{v:.3f}".replace("-", "\N{MINUS SIGN}") for v in values]
 
 
-def _models(arrays: Mapping[str, np.ndarray]) -> Markup:
+def models_table(arrays: Mapping[str, np.ndarray]) -> Markup:
+    """All predictors but single features."""
     kept = [k for k, role in enumerate(arrays["roles"]) if role != "feature"]
     rows = [(arrays["predictors"][k], arrays["roles"][k], *_cells(arrays["values"][k])) for k in kept]
     lead = (
@@ -60,7 +61,8 @@ def _models(arrays: Mapping[str, np.ndarray]) -> Markup:
     return section("Models, baselines and ceiling", table(("", "role", *arrays["measures"]), rows), lead=lead)
 
 
-def _features(arrays: Mapping[str, np.ndarray]) -> Markup:
+def features_table(arrays: Mapping[str, np.ndarray]) -> Markup:
+    """Each feature by itself, the best first."""
     kept = [k for k, role in enumerate(arrays["roles"]) if role == "feature"]
     kept.sort(key=lambda k: -arrays["values"][k, 0])
     rows = [
@@ -73,6 +75,11 @@ def _features(arrays: Mapping[str, np.ndarray]) -> Markup:
     ]
     lead = "Each feature by itself, with the sign that it has: below .500 the places where it is low are looked at."
     return section("What each feature is worth", table(("", *arrays["measures"]), rows), lead=lead)
+
+
+def shown_items(arrays: Mapping[str, np.ndarray], widest: int) -> list[Markup]:
+    """The items that are kept to be shown, each with its fixations and maps."""
+    return [_shown(arrays, name, widest) for name in items(arrays, "shown")]
 
 
 def _shown(arrays: Mapping[str, np.ndarray], name: str, widest: int) -> Markup:
