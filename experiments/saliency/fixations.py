@@ -29,7 +29,7 @@ def findings(arguments: Arguments) -> Findings:
         for r, predictor in enumerate(predictors)
         for c, measure in enumerate(measures)
     ]
-    by_key = {(row["data"], row["measure"]): float(row["value"]) for row in rows}  # type: ignore[arg-type]
+    by_key = {(row["data"], row["measure"]): float(row["value"]) for row in rows}
     held = [
         Standing(bar, bar.measure, float(bar.bar), {OURS: by_key[bar.measure]})
         for bar in read_bars(BARS, arguments.name)

@@ -19,14 +19,14 @@ SURROUND = 3.0  # times a scale
 
 
 @dataclass(frozen=True, eq=False)
-class Glance:
+class ShrunkPicture:
     """A picture (h, w, 3) uint8 RGB, shrunk, in the colour spaces that the channels share."""
 
     fine: np.ndarray  # (h', w', 3) uint8 RGB, FINE pixels along at most
     small: np.ndarray  # (a, b, 3) uint8 RGB, the grid
 
     @classmethod
-    def of(cls, rgb: np.ndarray) -> Glance:
+    def of(cls, rgb: np.ndarray) -> ShrunkPicture:
         """The picture at the two sizes."""
         return cls(shrunk(rgb, FINE), shrunk(rgb, LONGEST))
 
@@ -90,14 +90,14 @@ def blurred(image: np.ndarray, sigma: float) -> np.ndarray:
 
 def channels(rgb: np.ndarray) -> dict[str, np.ndarray]:
     """All channels of a picture (h, w, 3) uint8 by name: maps (a, b) float32."""
-    glance = Glance.of(rgb)
+    glance = ShrunkPicture.of(rgb)
     found: dict[str, np.ndarray] = {}
     for family in (_global, _figures, _keys, _contrasts, _orientation, _colour, _thesis, _place):
         found |= family(glance)
     return {name: np.ascontiguousarray(part, dtype=np.float32) for name, part in found.items()}
 
 
-def _global(glance: Glance) -> dict[str, np.ndarray]:
+def _global(glance: ShrunkPicture) -> dict[str, np.ndarray]:
     """What is rare in the whole picture: spectral residual at two widths, unlikely filter answers, rare colours."""
     residuals = {f"spectral residual {width}": spectral_residual(glance.opponents, width) for width in (64, 128)}
     return residuals | {"rare answers": rare_answers(glance), "rare colours": rare_colours(glance.opponents)}
@@ -118,7 +118,7 @@ def spectral_residual(opponents: np.ndarray, width: int) -> np.ndarray:
     return cv2.resize(blurred(total, width / 25), (columns, rows), interpolation=cv2.INTER_LINEAR)
 
 
-def rare_answers(glance: Glance) -> np.ndarray:
+def rare_answers(glance: ShrunkPicture) -> np.ndarray:
     """Mahalanobis distance of centre-surround and orientation answers from their mean over the picture, after
     whitening saliency (Garcia-Diaz et al. 2012).
     """
@@ -130,7 +130,7 @@ def rare_answers(glance: Glance) -> np.ndarray:
     covariance = flat.T @ flat / len(flat)
     ridge = 1e-4 * np.trace(covariance) / len(answers) + 1e-9
     inverse = np.linalg.inv(covariance + ridge * np.eye(len(answers)))
-    return blurred(np.sqrt(np.einsum("ni,ij,nj->n", flat, inverse, flat)).reshape(glance.shape), 3)
+    return blurred(np.sqrt(((flat @ inverse) * flat).sum(axis=1)).reshape(glance.shape), 3)
 
 
 def rare_colours(opponents: np.ndarray) -> np.ndarray:
@@ -142,7 +142,7 @@ def rare_colours(opponents: np.ndarray) -> np.ndarray:
     return blurred(-np.log(np.moveaxis(share, -1, 0).ravel()[code] + 1), 3)
 
 
-def _figures(glance: Glance) -> dict[str, np.ndarray]:
+def _figures(glance: ShrunkPicture) -> dict[str, np.ndarray]:
     """Boolean maps, blurred at two scales, and their square root."""
     figures = boolean_map_saliency(whitened(glance.lab))
     figures /= max(float(figures.max()), 1e-9)
@@ -153,7 +153,7 @@ def _figures(glance: Glance) -> dict[str, np.ndarray]:
     }
 
 
-def _keys(glance: Glance) -> dict[str, np.ndarray]:
+def _keys(glance: ShrunkPicture) -> dict[str, np.ndarray]:
     """Density of SIFT key points and of corners."""
     import cv2
 
@@ -172,7 +172,7 @@ def _keys(glance: Glance) -> dict[str, np.ndarray]:
     }
 
 
-def _contrasts(glance: Glance) -> dict[str, np.ndarray]:
+def _contrasts(glance: ShrunkPicture) -> dict[str, np.ndarray]:
     """Centre against surround of each opponent channel at each scale, and their local spread."""
     found = {}
     for k, colour in enumerate(("intensity", "red-green", "blue-yellow")):
@@ -185,7 +185,7 @@ def _contrasts(glance: Glance) -> dict[str, np.ndarray]:
     return found
 
 
-def _orientation(glance: Glance) -> dict[str, np.ndarray]:
+def _orientation(glance: ShrunkPicture) -> dict[str, np.ndarray]:
     """Edges, how mixed their directions are, and how they differ from those around."""
     smooth = np.stack([blurred(part, 4) for part in glance.orientations])
     total = smooth.sum(axis=0) + 1e-6
@@ -202,7 +202,7 @@ def _orientation(glance: Glance) -> dict[str, np.ndarray]:
     }
 
 
-def _colour(glance: Glance) -> dict[str, np.ndarray]:
+def _colour(glance: ShrunkPicture) -> dict[str, np.ndarray]:
     """Skin, vividness, and the distance of a colour from the mean and from that of the border."""
     lab = glance.opponents
     flat = lab.reshape(-1, 3)
@@ -220,7 +220,7 @@ def _colour(glance: Glance) -> dict[str, np.ndarray]:
 def _mahalanobis(lab: np.ndarray, sample: np.ndarray) -> np.ndarray:
     inverse = np.linalg.inv(np.cov(sample.T) + 1e-3 * np.eye(3))
     away = lab - sample.mean(axis=0)
-    return np.sqrt(np.einsum("...i,ij,...j->...", away, inverse, away))
+    return np.sqrt(((away @ inverse) * away).sum(axis=-1))
 
 
 def skin(rgb: np.ndarray) -> np.ndarray:
@@ -231,7 +231,7 @@ def skin(rgb: np.ndarray) -> np.ndarray:
     return np.exp(-(((red - 150) / 10) ** 2 + ((blue - 108) / 12) ** 2) / 2) * np.clip(luma / 90, 0, 1)
 
 
-def _thesis(glance: Glance) -> dict[str, np.ndarray]:
+def _thesis(glance: ShrunkPicture) -> dict[str, np.ndarray]:
     """F5, the colours themselves, and F6, the Gaussian curvature of the intensity as a surface (3.16)."""
     found = {name: blurred(glance.small[..., k] / 255, 3) for k, name in enumerate(("red", "green", "blue"))}
     return found | {"curvature": gaussian_curvature(blurred(glance.opponents[..., 0] * 20, 2))}
@@ -245,7 +245,7 @@ def gaussian_curvature(height: np.ndarray) -> np.ndarray:
     return (dxx * dyy - dyx**2) / (1 + dx**2 + dy**2) ** 2
 
 
-def _place(glance: Glance) -> dict[str, np.ndarray]:
+def _place(glance: ShrunkPicture) -> dict[str, np.ndarray]:
     """Where in the picture: the centre prior, distances from the middle along both axes, and height."""
     x, y = places(glance.shape)
     return {"centre": centre_prior(glance.shape), "aside": np.abs(x), "above or below": np.abs(y), "height": -y}

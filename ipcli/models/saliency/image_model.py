@@ -9,7 +9,7 @@ import numpy as np
 from ipcli.models.saliency import metrics
 from ipcli.models.saliency.channels import centre_prior, channels
 from ipcli.models.saliency.learning import Predictor, learn
-from ipcli.models.saliency.parameters import Learning
+from ipcli.models.saliency.parameters import FixationLearning
 
 PLACE = ("centre", "aside", "above or below", "height")  # channels that are the same in every picture
 UNTRAINED = "Boolean maps and SIFT density, centred"
@@ -72,7 +72,10 @@ def examples(
 
 
 def learnt(
-    pictures: Sequence[tuple[Mapping[str, np.ndarray], np.ndarray]], names: Sequence[str], params: Learning, seed: int
+    pictures: Sequence[tuple[Mapping[str, np.ndarray], np.ndarray]],
+    names: Sequence[str],
+    params: FixationLearning,
+    seed: int,
 ) -> Predictor:
     """The predictor learnt from pictures, each its channels and its fixations (n, 2) in pixels of the grid."""
     rng = np.random.default_rng(seed)

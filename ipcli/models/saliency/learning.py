@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipcli.kernels import trees as kernels
-from ipcli.models.saliency.parameters import Learning
+from ipcli.models.saliency.parameters import FixationLearning
 
 NODES = ("feature", "threshold", "left", "right", "value")
 
@@ -73,7 +73,7 @@ class Predictor:
 
 
 def learn(
-    rows: np.ndarray, looked_at: np.ndarray, features: Sequence[str], params: Learning, seed: int = 0
+    rows: np.ndarray, looked_at: np.ndarray, features: Sequence[str], params: FixationLearning, seed: int = 0
 ) -> Predictor:
     """The predictor of rows (n, k) float32 and labels (n,) 0 or 1."""
     from sklearn.linear_model import LogisticRegression
@@ -85,7 +85,7 @@ def learn(
     return Predictor(tuple(features), mean, spread, linear.coef_[0], float(linear.intercept_[0]), boosting)
 
 
-def boost(rows: np.ndarray, looked_at: np.ndarray, params: Learning, seed: int) -> Boosting:
+def boost(rows: np.ndarray, looked_at: np.ndarray, params: FixationLearning, seed: int) -> Boosting:
     """Trees that scikit-learn boosts on binned rows, their nodes taken out of it so that no pickle is needed."""
     from sklearn.ensemble import HistGradientBoostingClassifier
 

@@ -8,7 +8,7 @@ from ipcli.params import option
 
 
 @dataclass(frozen=True)
-class Learning:
+class FixationLearning:
     """How a predictor is learnt."""
 
     inverse_ridge: float = option(0.01, "Inverse weight of the ridge of the logistic regression.", low=1e-9)

@@ -10,7 +10,7 @@ import numpy as np
 from ipcli.models.saliency import image_model, metrics
 from ipcli.models.saliency.channels import centre_prior
 from ipcli.models.saliency.learning import Predictor
-from ipcli.models.saliency.parameters import Learning, Validation
+from ipcli.models.saliency.parameters import FixationLearning, Validation
 from ipcli.progress import Progress, silent
 
 MEASURES = ("AUC", "sAUC", "NSS", "information gain", "CC", "SIM", "KL")
@@ -125,7 +125,7 @@ def folds_of(count: int, folds: int, seed: int) -> np.ndarray:
 
 
 def cross_validated(
-    cases: Sequence[Case], learning: Learning, params: Validation, seed: int, tell: Progress = silent
+    cases: Sequence[Case], learning: FixationLearning, params: Validation, seed: int, tell: Progress = silent
 ) -> dict[str, list[np.ndarray]]:
     """Maps of every case by predictors that were learnt from the other folds of pictures alone: that of all features,
     its linear half, and one without the channels of place.
@@ -144,7 +144,7 @@ def cross_validated(
     return maps
 
 
-def learnt_from(cases: Sequence[Case], learning: Learning, seed: int, without: Sequence[str] = ()) -> Predictor:
+def learnt_from(cases: Sequence[Case], learning: FixationLearning, seed: int, without: Sequence[str] = ()) -> Predictor:
     """The predictor of all these cases on their channels."""
     names = tuple(name for name in cases[0].channels if name not in without)
     return image_model.learnt([(c.channels, c.fixations) for c in cases], names, learning, seed)

@@ -10,7 +10,7 @@ import numpy as np
 from ipcli.models.saliency import metrics
 from ipcli.models.saliency.image_model import relative
 from ipcli.models.saliency.learning import Predictor, learn
-from ipcli.models.saliency.parameters import Learning, Validation
+from ipcli.models.saliency.parameters import FixationLearning, Validation
 from ipcli.models.saliency.validation import Row, folds_of
 from ipcli.models.saliency.vertex_features import SPACING, features, ranks
 from ipcli.progress import Progress, silent
@@ -71,7 +71,7 @@ def saliency(vertices: np.ndarray, normals: np.ndarray, predictor: Predictor | N
     return untrained(found) if predictor is None else predicted(predictor, found)
 
 
-def learnt(cases: Sequence[SurfaceCase], params: Learning, seed: int, place: bool = True) -> Predictor:
+def learnt(cases: Sequence[SurfaceCase], params: FixationLearning, seed: int, place: bool = True) -> Predictor:
     """The predictor of surfaces: vertices of each that were looked at, and others, drawn at random."""
     names = columns(tuple(cases[0].features), place)
     rng = np.random.default_rng(seed)
@@ -84,7 +84,7 @@ def learnt(cases: Sequence[SurfaceCase], params: Learning, seed: int, place: boo
 
 
 def cross_validated(
-    cases: Sequence[SurfaceCase], learning: Learning, params: Validation, seed: int, tell: Progress = silent
+    cases: Sequence[SurfaceCase], learning: FixationLearning, params: Validation, seed: int, tell: Progress = silent
 ) -> dict[str, list[np.ndarray]]:
     """Maps of every surface by predictors learnt from the other folds of surfaces alone; as many folds as surfaces
     leave one out.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ipcli.models.saliency.parameters import Learning, Validation
+from ipcli.models.saliency.parameters import FixationLearning, Validation
 from ipcli.models.saliency.scene_parameters import SceneSaliency
 from ipcli.params import option
 
@@ -34,7 +34,7 @@ class SaliencyPredict:
 class SaliencyTrain:
     """What saliency-train takes."""
 
-    learning: Learning = field(default_factory=Learning)
+    learning: FixationLearning = field(default_factory=FixationLearning)
 
 
 @dataclass(frozen=True)
@@ -42,5 +42,5 @@ class SaliencyEvaluate:
     """What saliency-evaluate takes."""
 
     shown: int = option(6, "Items whose maps the page shows.", flag="--shown", low=0)
-    learning: Learning = field(default_factory=Learning)
+    learning: FixationLearning = field(default_factory=FixationLearning)
     validation: Validation = field(default_factory=Validation)

@@ -3,10 +3,10 @@ import pytest
 
 from ipcli.models.saliency import image_model
 from ipcli.models.saliency.channels import channels
-from ipcli.models.saliency.parameters import Learning
+from ipcli.models.saliency.parameters import FixationLearning
 from tests.fixtures.fixation_sets import picture
 
-QUICK = Learning(trees=5, leaf=5, negatives=80)
+QUICK = FixationLearning(trees=5, leaf=5, negatives=80)
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ipcli.models.saliency import validation
-from ipcli.models.saliency.parameters import Learning, Validation
+from ipcli.models.saliency.parameters import FixationLearning, Validation
 from ipcli.models.saliency.validation import Case
 
 SHAPE = (30, 40)
@@ -55,7 +55,7 @@ def test_a_picture_is_never_judged_by_what_was_learnt_from_it(monkeypatch):
         return plain(ours, *args, **more)
 
     monkeypatch.setattr(validation, "learnt_from", spy)
-    maps = validation.cross_validated(known, Learning(trees=2, leaf=5, negatives=40), PARAMS, 0)
+    maps = validation.cross_validated(known, FixationLearning(trees=2, leaf=5, negatives=40), PARAMS, 0)
     fold = validation.folds_of(4, 2, 0)
     for k in range(2):
         assert seen[2 * k] == {c.name for c, f in zip(known, fold, strict=True) if f != k}

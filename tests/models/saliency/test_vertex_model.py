@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 from ipcli.models.saliency import vertex_model
-from ipcli.models.saliency.parameters import Learning, Validation
+from ipcli.models.saliency.parameters import FixationLearning, Validation
 from ipcli.models.saliency.vertex_features import SPACING, features
 from tests.fixtures.fixation_sets import bumpy
 
-QUICK = Learning(trees=4, leaf=5)
+QUICK = FixationLearning(trees=4, leaf=5)
 
 
 @pytest.fixture(scope="module")

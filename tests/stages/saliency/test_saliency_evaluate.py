@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from ipcli.io.files import h5
-from ipcli.models.saliency.parameters import Learning, Validation
+from ipcli.models.saliency.parameters import FixationLearning, Validation
 from ipcli.params import Run
 from ipcli.stages.saliency import saliency_evaluate
 from ipcli.stages.saliency.parameters import SaliencyEvaluate
 from tests.fixtures.fixation_sets import write_pictures, write_surfaces
 
-PARAMS = SaliencyEvaluate(2, Learning(trees=3, leaf=5, negatives=60), Validation(folds=2))
+PARAMS = SaliencyEvaluate(2, FixationLearning(trees=3, leaf=5, negatives=60), Validation(folds=2))
 
 
 @pytest.fixture(scope="module")
