@@ -7,7 +7,11 @@ from importlib import import_module
 from experiments.kit.arguments import Arguments
 from experiments.kit.run import Findings, run
 
-EXPERIMENTS = {"tasks": "experiments.saliency.tasks"}
+EXPERIMENTS = {
+    "tasks": "experiments.saliency.tasks",
+    "osie": "experiments.saliency.fixations",
+    "meshes": "experiments.saliency.fixations",
+}
 
 
 def make(arguments: Arguments) -> Findings:

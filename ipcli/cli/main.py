@@ -37,6 +37,9 @@ SECTIONS = {
     },
     "Saliency": {
         "saliency": Command("Tell what is likely to be looked at in a scene.", is_script=True),
+        "saliency-train": Command("Learn from recorded fixations where people look."),
+        "saliency-predict": Command("Predict where people look in pictures, meshes and clouds."),
+        "saliency-evaluate": Command("Measure how well fixations are predicted, and by what."),
     },
     "Depth fusion": {
         "fuse-depth": Command("Fuse depth maps of several views into one.", is_script=True),

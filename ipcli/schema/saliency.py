@@ -2,6 +2,8 @@
 
 from ipcli.schema.fields import FINITE, WEIGHT, Domain, Field, Kind
 
+SPREAD = Domain("> 0", 0.0, closed=False)
+MEASURED = Domain("finite, or NaN where undefined", nan=True)
 KNOWN = Domain("finite, or NaN where unknown", nan=True)
 COUNT = Domain(">= 0", 0.0)
 SHARE = Domain(">= 0, or NaN where unknown", 0.0, nan=True)
@@ -105,4 +107,67 @@ SALIENCY = Kind(
     ),
 )
 
-KINDS: tuple[Kind, ...] = (SALIENCY,)
+PREDICTOR = Kind(
+    "saliency-model",
+    1,
+    "What tells the places that are looked at from the rest, learnt from recorded fixations: logistic regression of "
+    "named features, and boosted trees.",
+    (
+        Field("subject", "str", (), "", "What it is for", choices=("pictures", "surfaces")),
+        Field("features", "str", ("k",), "", "Names of the features"),
+        Field("mean", "float64", ("k",), "", "Mean of each feature", domain=FINITE),
+        Field("spread", "float64", ("k",), "", "Standard deviation of each", domain=SPREAD),
+        Field("weights", "float64", ("k",), "1", "Of the standardised features in the log odds", domain=FINITE),
+        Field("bias", "float64", (), "1", "Constant of the log odds", domain=FINITE),
+        Field("trees/feature", "int64", ("t", "m"), "1", "Feature that each node asks for", optional=True),
+        Field("trees/threshold", "float64", ("t", "m"), "", "Values up to it go left", optional=True, domain=FINITE),
+        Field("trees/left", "int64", ("t", "m"), "1", "Node to the left; -1: a leaf", optional=True),
+        Field("trees/right", "int64", ("t", "m"), "1", "Node to the right; -1: a leaf", optional=True),
+        Field("trees/value", "float64", ("t", "m"), "1", "Log odds that a leaf adds", optional=True, domain=FINITE),
+        Field("trees/start", "float64", (), "1", "Log odds before any tree", optional=True, domain=FINITE),
+        Field("items", "str", ("i",), "", "Pictures or surfaces that it was learnt from"),
+        Field("fixations", "int64", (), "1", "Fixations in them, or vertices that were looked at", domain=WEIGHT),
+    ),
+)
+
+MAPS = Kind(
+    "saliency-maps",
+    1,
+    "How likely each place of pictures or surfaces is looked at, by chance 1.",
+    (
+        Field("model", "str", (), "", "What predicted it"),
+        Field("pictures/*/picture", "uint8", ("h", "w", 3), "", "RGB, as given or shrunk", optional=True),
+        Field("pictures/*/map", "float32", ("a", "b"), "1", "On a grid over the picture", optional=True, domain=WEIGHT),
+        Field("surfaces/*/points", "float32", ("n", 3), "unit", "Vertices or points", optional=True, domain=FINITE),
+        Field("surfaces/*/normals", "float32", ("n", 3), "1", "Unit normals", optional=True, domain=FINITE),
+        Field("surfaces/*/map", "float32", ("n",), "1", "Of each point", optional=True, domain=WEIGHT),
+    ),
+)
+
+EVALUATION = Kind(
+    "saliency-evaluation",
+    1,
+    "How well models, single features and baselines predict recorded fixations.",
+    (
+        Field("subject", "str", (), "", "What was predicted on", choices=("pictures", "surfaces")),
+        Field("protocol", "str", (), "", "How learnt models were kept from what they are judged by"),
+        Field("predictors", "str", ("r",), "", "Names of models, features and baselines"),
+        Field("roles", "str", ("r",), "", "What each is", choices=("model", "baseline", "ceiling", "feature")),
+        Field("measures", "str", ("c",), "", "Names of the measures"),
+        Field("values", "float64", ("r", "c"), "", "AUC, sAUC, NSS, IG: mean over fixations", domain=MEASURED),
+        Field("items", "str", ("i",), "", "Names of the pictures or surfaces"),
+        Field("each", "float64", ("r", "i", "c"), "", "Mean of each item", domain=MEASURED),
+        Field("looked_at", "int64", ("i",), "1", "Fixations, or vertices that were looked at, of each", domain=WEIGHT),
+        Field("default", "str", (), "", "The predictor that is shown"),
+        Field("notes", "str", ("q",), "", "What a reader should know before believing it"),
+        Field("shown/*/picture", "uint8", ("h", "w", 3), "", "RGB, shrunk", optional=True),
+        Field("shown/*/fixations", "float32", ("f", 2), "1", "x, y as shares of the picture", True, FINITE),
+        Field("shown/*/points", "float32", ("n", 3), "unit", "Vertices", optional=True, domain=FINITE),
+        Field("shown/*/normals", "float32", ("n", 3), "1", "Unit normals", optional=True, domain=FINITE),
+        Field("shown/*/truth", "float32", ("n",), "1", "How long vertices were looked at, smoothed", True, WEIGHT),
+        Field("shown/*/predictors", "str", ("s",), "", "Predictors whose maps are kept", optional=True),
+        Field("shown/*/maps", "float32", ("s", "a", "b"), "1", "Their maps; b = 1 on surfaces", True, MEASURED),
+    ),
+)
+
+KINDS: tuple[Kind, ...] = (SALIENCY, PREDICTOR, MAPS, EVALUATION)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from ipcli.models.saliency.parameters import FixationLearning, Validation
 from ipcli.models.saliency.scene_parameters import SceneSaliency
 from ipcli.params import option
 
@@ -20,3 +21,26 @@ class Saliency:
     )
     format: str = option("auto", "Layout of views, where they are no artefact.", flag="--format")
     scene: SceneSaliency = field(default_factory=SceneSaliency)
+
+
+@dataclass(frozen=True)
+class SaliencyPredict:
+    """What saliency-predict takes."""
+
+    largest: int = option(1200, "Longer side of the pictures that the result keeps.", low=16, unit="px")
+
+
+@dataclass(frozen=True)
+class SaliencyTrain:
+    """What saliency-train takes."""
+
+    learning: FixationLearning = field(default_factory=FixationLearning)
+
+
+@dataclass(frozen=True)
+class SaliencyEvaluate:
+    """What saliency-evaluate takes."""
+
+    shown: int = option(6, "Items whose maps the page shows.", flag="--shown", low=0)
+    learning: FixationLearning = field(default_factory=FixationLearning)
+    validation: Validation = field(default_factory=Validation)
