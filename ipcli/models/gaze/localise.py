@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipcli import threads
 from ipcli.geometry.rig import Rig
 from ipcli.measurements.recording import Frame, HeadRecording
 from ipcli.models.gaze import adjustment, features, pose, retrieval
@@ -71,15 +72,24 @@ def _pass(recording: HeadRecording, rig: Rig, p: Localisation, seed: int, tell: 
     tracker = Tracker(rig, album_of(recording, rig, p, seed), p, seed)
     count = len(recording.names)
     online = np.full((count, 4, 4), np.nan)
-    for k in range(count):
-        frame = recording.load(k)
-        found = features.extract(frame.left, frame.right, frame.depth, rig, p.detection)
+    for k, (frame, found) in enumerate(_features(recording, rig, p)):
         track = tracker.add(k, found)
         online[k] = track.pose
         if look:
             look(k, frame, found, track)
         tell((k + 1) / count, f"frame {recording.names[k]}: {track.how}")
     return Path(rig, tracker.tracks, tracker.scene, online, None, False)
+
+
+def _features(recording: HeadRecording, rig: Rig, p: Localisation) -> Iterator[tuple[Frame, features.StereoFeatures]]:
+    """Frames with their features; with more than one thread the next one's are found while this one is localised."""
+
+    def one(k: int) -> tuple[Frame, features.StereoFeatures]:
+        frame = recording.load(k)
+        return frame, features.extract(frame.left, frame.right, frame.depth, rig, p.detection)
+
+    numbers = range(len(recording.names))
+    return threads.ahead(one, numbers)
 
 
 def album_of(recording: HeadRecording, rig: Rig, p: Localisation, seed: int) -> retrieval.Album:

@@ -186,14 +186,16 @@ def _described(features: StereoFeatures, descriptors: np.ndarray, around: np.nda
     if not len(around) or not len(features):
         return np.empty(0, int), np.empty(0, int)
     a, b = descriptors.astype(np.float32), features.descriptors.astype(np.float32)
-    distances = np.square(a).sum(axis=1)[:, None] + np.square(b).sum(axis=1) - 2 * (a @ b.T)
+    own, other = np.square(a).sum(axis=1), np.square(b).sum(axis=1)
+    distances = other - 2 * (a @ b.T)  # of the first set's own length, which no comparison along a row needs
     best = distances.argmin(axis=1)
     rows = np.arange(len(a))
-    least = distances[rows, best]
-    back = distances.argmin(axis=0)
+    least = distances[rows, best] + own
     distances[rows, best] = np.inf
-    second = distances.min(axis=1) if distances.shape[1] > 1 else np.full(len(a), np.inf)
-    good = (least <= WORST) & (least < 0.85**2 * second) & (back[best] == rows)
+    second = distances.min(axis=1) + own if distances.shape[1] > 1 else np.full(len(a), np.inf)
+    good = np.flatnonzero((least <= WORST) & (least < 0.85**2 * second))
+    back = (own[:, None] - 2 * (a @ b[best[good]].T)).argmin(axis=0)  # of those that are left alone
+    good = good[back == good]
     return best[good], around[good]
 
 
