@@ -101,6 +101,7 @@ EXPERIMENT = Kind(
         Field("shown/pixels", "float64", ("q", 2), "px", "Where it is in the picture of camera 0", True, FINITE),
         Field("map/points", "float64", ("p", 3), "m", "Points of the map", domain=FINITE),
         Field("map/grey", "uint8", ("p",), "", "Grey level of each"),
+        Field("map/descriptors", "uint8", ("p", 128), "1", "RootSIFT of each, to localise in this map", True),
         Field("map/seen", "int64", ("p",), "1", "Frames that see it", domain=COUNT),
         Field("map/sightings", "int64", ("m", 3), "1", "Frame, camera and point of each sighting", domain=COUNT),
         Field("map/pixels", "float64", ("m", 2), "px", "Where, distortion included", domain=FINITE),

@@ -10,7 +10,7 @@ import numpy as np
 from ipcli import threads
 from ipcli.geometry.rig import Rig
 from ipcli.measurements.recording import Frame, HeadRecording
-from ipcli.models.gaze import adjustment, features, pose, retrieval
+from ipcli.models.gaze import adjustment, features, known_map, pose, retrieval
 from ipcli.models.gaze.adjustment import Offset
 from ipcli.models.gaze.parameters import Localisation
 from ipcli.models.gaze.scene_map import NONE, SceneMap
@@ -48,10 +48,21 @@ def rig_of(recording: HeadRecording) -> Rig:
 
 
 def localise(
-    recording: HeadRecording, p: Localisation, seed: int, tell: Progress = silent, look: Look | None = None
+    recording: HeadRecording,
+    p: Localisation,
+    seed: int,
+    tell: Progress = silent,
+    look: Look | None = None,
+    known: SceneMap | None = None,
 ) -> Path:
-    """Poses of all frames. `look` sees every frame once, with its features and its track, while it is in memory."""
+    """Poses of all frames. `look` sees every frame once, with its features and its track, while it is in memory.
+
+    In a `known` map frames are localised one after the other, and it stays as it is.
+    """
     rig = rig_of(recording)
+    if known is not None:
+        album = known_map.album_of(known, stream(seed, "gaze-sfm", "words"))
+        return _tracked(recording, Tracker(rig, album, p, seed, known), tell, look)
     path = _pass(recording, rig, p, seed, lambda share, what: tell(0.9 * share, what), look)
     if not p.global_ba or len(path.scene.frames) < 2:
         return path
@@ -69,7 +80,11 @@ def localise(
 
 
 def _pass(recording: HeadRecording, rig: Rig, p: Localisation, seed: int, tell: Progress, look: Look | None) -> Path:
-    tracker = Tracker(rig, album_of(recording, rig, p, seed), p, seed)
+    return _tracked(recording, Tracker(rig, album_of(recording, rig, p, seed), p, seed), tell, look)
+
+
+def _tracked(recording: HeadRecording, tracker: Tracker, tell: Progress, look: Look | None) -> Path:
+    rig, p = tracker.rig, tracker.p
     count = len(recording.names)
     online = np.full((count, 4, 4), np.nan)
     for k, (frame, found) in enumerate(_features(recording, rig, p)):

@@ -52,11 +52,11 @@ class Track:
 class Tracker:
     """Feed it frames in order. State: the map, the album of past frames, and the last poses."""
 
-    def __init__(self, rig: Rig, album: Album, p: Localisation, seed: int):
+    def __init__(self, rig: Rig, album: Album, p: Localisation, seed: int, known: SceneMap | None = None):
         self.rig, self.album, self.p, self.seed = rig, album, p, seed
-        self.scene = SceneMap()
+        self.scene = SceneMap() if known is None else known
         self.tracks: list[Track] = []
-        self.keep_map = False  # localise only: the map is somebody else's
+        self.keep_map = known is not None  # localise only: the map is somebody else's
 
     def add(self, number: int, features: StereoFeatures) -> Track:
         """Localise a frame, add it to the map where it brings something new."""

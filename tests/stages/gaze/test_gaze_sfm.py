@@ -147,3 +147,13 @@ def test_areas_without_gaze_are_a_mistake_that_is_told_before_the_work(folder, t
     aoi.write_text("name,x0 [m],y0 [m],z0 [m],x1 [m],y1 [m],z1 [m]\na,0,0,0,1,1,1\n")
     assert main(["gaze-sfm", str(folder), "-o", str(tmp_path / "x.h5"), "--poses-only", "--aoi", str(aoi)]) != 0
     assert "--aoi: there is no gaze" in capsys.readouterr().err
+
+
+def test_a_recording_is_localised_in_the_map_of_an_earlier_run(made, folder, tmp_path):
+    run = tmp_path / "again.h5"
+    words = ["--map", str(made), "--start", "2", "--stop", "6"]
+    assert main(["gaze-sfm", str(folder), "-o", str(run), *words, "--quiet"]) == 0
+    a, earlier = h5.read(run, "gaze-experiment").arrays, h5.read(made, "gaze-experiment").arrays
+    off = a["world_from_rig"][:, :3, 3] - earlier["world_from_rig"][2:6, :3, 3]
+    assert np.linalg.norm(off, axis=1).max() < 0.01
+    np.testing.assert_array_equal(a["map/points"], earlier["map/points"])
