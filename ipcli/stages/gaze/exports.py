@@ -29,6 +29,9 @@ def beside(output: Path, *, has_gaze: bool, has_areas: bool = False) -> dict[Pat
         output.with_suffix(".cameras.txt"): colmap_model.write_cameras,
         output.with_suffix(".images.txt"): colmap_model.write_images,
         output.with_suffix(".points3D.txt"): colmap_model.write_points,
+        output.with_suffix(".cameras.bin"): colmap_model.write_cameras_binary,
+        output.with_suffix(".images.bin"): colmap_model.write_images_binary,
+        output.with_suffix(".points3D.bin"): colmap_model.write_points_binary,
     }
     if has_areas:
         files[output.with_suffix(".aoi.csv")] = write_areas

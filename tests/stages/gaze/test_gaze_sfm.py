@@ -36,14 +36,17 @@ def test_the_artefact_holds_the_experiment_and_its_accuracy(made):
     assert a["accuracy/regards"].sum() == (a["por/outcome"] == "hit").sum()
 
 
-def test_pycolmap_opens_the_model_and_its_points_project_where_they_were_seen(made, tmp_path):
+@pytest.mark.parametrize("end", ["txt", "bin"])
+def test_pycolmap_opens_the_model_and_its_points_project_where_they_were_seen(made, tmp_path, end):
     pycolmap = pytest.importorskip("pycolmap")
     for name in ("cameras", "images", "points3D"):
-        (tmp_path / f"{name}.txt").write_text(made.with_suffix(f".{name}.txt").read_text())
+        (tmp_path / f"{name}.{end}").write_bytes(made.with_suffix(f".{name}.{end}").read_bytes())
     model = pycolmap.Reconstruction(str(tmp_path))
     assert len(model.images) == 2 * COURSE.frames
+    assert model.images[1].name.startswith("left/")
     model.update_point_3d_errors()
     errors = np.array([point.error for point in model.points3D.values()])
+    assert len(errors) == len(h5.read(made, "gaze-experiment").arrays["map/points"])
     assert np.median(errors) < 1.0  # pixels
 
 
