@@ -260,11 +260,12 @@ def write_euroc(walked: Walk, folder: Path, *, jpeg: int | None = None) -> None:
     """The recording as an EuRoC folder with gaze.csv and targets.csv."""
     recording = walked.recording
     stamps = [int(round(time * 1e9)) + 1_000_000_000 for time in recording.times]
-    for camera, side in enumerate(("left", "right")):
+    for camera in range(2):
         _write_sensor(folder / f"cam{camera}_sensor.yaml", recording.cameras[camera])
-        for k, stamp in enumerate(stamps):
-            frame = recording.load(k)
-            image = frame.colour if frame.colour is not None and side == "left" else getattr(frame, side)
+    for k, stamp in enumerate(stamps):
+        frame = recording.load(k)
+        for camera, image in enumerate((frame.left if frame.colour is None else frame.colour, frame.right)):
+            assert image is not None
             _write_picture(folder / f"cam{camera}" / str(stamp), image, jpeg)
     from ipcli.io.gaze.trajectories import write_tum
 

@@ -127,6 +127,7 @@ EXPERIMENT = Kind(
         Field("shown/pixels", "float64", ("q", 2), "px", "Where it is in the picture of camera 0", True, FINITE),
         Field("map/points", "float64", ("p", 3), "m", "Points of the map", domain=FINITE),
         Field("map/grey", "uint8", ("p",), "", "Grey level of each"),
+        Field("map/descriptors", "uint8", ("p", 128), "1", "RootSIFT of each, to localise in this map", True),
         Field("map/seen", "int64", ("p",), "1", "Frames that see it", domain=COUNT),
         Field(
             "map/sightings",
@@ -171,6 +172,20 @@ EXPERIMENT = Kind(
         Field("accuracy/dwell", "float64", ("g",), "s", "Time of gaze on it", True, KNOWN),
         Field("accuracy/rms", "float64", ("g",), "m", "Distance from the true place, root mean square", True, KNOWN),
         Field("accuracy/inside", "float64", ("g", 2), "1", "Share of truth in the 68 and 95 % regions", True, KNOWN),
+        Field("aoi/names", "str", ("i",), "", "Areas of interest", True),
+        Field("aoi/of_sample", "int64", ("n",), "1", "Area of each gaze sample; -1 none", True, INDEX),
+        Field("aoi/dwell", "float64", ("i",), "s", "Time of gaze on each", True, FINITE),
+        Field("aoi/share", "float64", ("i",), "1", "Of the time with a point of regard", True, KNOWN),
+        Field("aoi/visits", "int64", ("i",), "1", "Times the gaze came to it", True, COUNT),
+        Field("aoi/fixations", "int64", ("i",), "1", "Fixations most of which lie there", True, COUNT),
+        Field("aoi/first", "float64", ("i",), "s", "First look, after the first sample; NaN never", True, KNOWN),
+        Field(
+            "aoi/transitions", "int64", ("i", "i"), "1", "Times the gaze went from one (row) to another", True, COUNT
+        ),
+        Field("landmarks/names", "str", ("lm",), "", "Landmarks that the world was laid on", True),
+        Field("landmarks/places", "float64", ("lm", 3), "m", "Where they are said to be", True, FINITE),
+        Field("landmarks/found", "float64", ("lm", 3), "m", "Where the run sees them; NaN not seen", True, KNOWN),
+        Field("landmarks/scale", "float64", (), "1", "Scale that the run was given; 1 for a rigid alignment", True),
         Field("notes", "str", ("o",), "", "What was left out or is doubtful, and why"),
         Field("source", "str", (), "", "Layout of the recording"),
     ),
