@@ -33,8 +33,7 @@ def open_source(
     """What is at `path`, lazily. `format` is a key of the layouts or "auto"; hints that are None count as not given.
 
     Raises FormatError for a pipe or a device, and when no layout fits (listing what was looked for); ParameterError for
-    an unknown format or a hint
-    that the layout has no use for.
+    an unknown format or a hint that the layout has no use for.
     """
     path = Path(path)
     if not path.exists():
