@@ -145,7 +145,7 @@ def learn(
     tell: Progress = silent,
     keep: Keep = lambda name, build: build(),
 ) -> dict[str, np.ndarray]:
-    """The whole library as arrays, from the charts `seen` (b k, s, s, 3) of b materials under k lights; metals (b,) bool.
+    """The library as arrays, from the charts `seen` (b k, s, s, 3) of b materials under k lights; metals (b,) bool.
 
     `keep(name, build)` gives what `build()` makes, or what it made before under that name.
     """

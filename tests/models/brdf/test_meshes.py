@@ -1,4 +1,4 @@
-"""A mesh seen from the front: a ball of triangles has the height and the normals of a ball, whichever way it is wound."""
+"""A mesh seen from the front: a ball of triangles has the height and normals of a ball, however it is wound."""
 
 import numpy as np
 import pytest
