@@ -68,6 +68,17 @@ class LibraryLearning:
 
 
 @dataclass(frozen=True)
+class Coding:
+    """The sparse autoencoder of the patches of a material."""
+
+    units: tuple[int, ...] = (48, 16)  # of each layer
+    activation: float = option(0.1, "Mean activation that units are held to.", low=1e-3, high=0.5)
+    sparsity: float = option(0.1, "Weight of that.", low=0.0)
+    l1: float = option(1e-4, "Weight of the absolute values of the weights.", low=0.0)
+    iterations: int = option(60, "Iterations of OWL-QN a layer.", low=1)
+
+
+@dataclass(frozen=True)
 class Printing:
     """The closed relief for a printer."""
 
