@@ -8,7 +8,8 @@ from experiments.saliency import tasks
 
 def artefact(hits, rates):
     return {
-        "hits": np.array(hits), "folds/rates": np.array(rates), "subsequences/ranking": np.array([[0.9, np.nan], [0.7, 0.5]]),
+        "hits": np.array(hits), "folds/rates": np.array(rates),
+        "subsequences/ranking": np.array([[0.9, np.nan], [0.7, 0.5]]),
         "rankings": np.array(["learnt function", "membrane"]), "extents": np.array([[0, 0.0], [0, 0.05], [1, 0.2]]),
         "groups/names": np.array(["membrane", "all but membrane"]), "groups/balanced": np.array([0.4, 0.05]),
         "elimination/balanced": np.array([0.04, 0.06]),
