@@ -1,6 +1,7 @@
 """Chapter 7 measured: every method on every case, as CSV, JSON and a page with the bars.
 
-python -m experiments.brdf.page mit|diligent|synthetic|development|materials --library FILE -o FOLDER [--data FOLDER] [--quick]
+python -m experiments.brdf.page mit|diligent|synthetic|development|materials --library FILE -o FOLDER
+    [--data FOLDER] [--quick]
 """
 
 from __future__ import annotations
