@@ -122,7 +122,8 @@ def patches(picture: np.ndarray, mask: np.ndarray, side: int, most: int) -> np.n
     padded = np.pad(mask, side)
     whole = minimum_filter(padded, size=side)[side:-side, side:-side]
     rows, columns = np.nonzero(whole)
-    chosen = np.unique(np.linspace(0, len(rows) - 1, min(most, len(rows))).astype(int)) if len(rows) else []
+    count = min(most, len(rows))
+    chosen = np.unique(np.linspace(0, max(len(rows) - 1, 0), count).astype(int))
     found = [
         scaled[r - half : r - half + side, c - half : c - half + side].ravel()
         for r, c in ((rows[i], columns[i]) for i in chosen)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from ipcli.models.brdf import material, rim
 from ipcli.models.brdf.library import Library
 from ipcli.models.brdf.light import Light, key_and_fill, probe
-from ipcli.models.brdf.materials import Matte, Plastic
+from ipcli.models.brdf.materials import Brdf, Matte, Plastic
 from ipcli.models.brdf.parameters import LibraryLearning
 from ipcli.models.brdf.reflectance import charts
 from ipcli.models.brdf.scenes import photograph, scene, surface
@@ -62,7 +63,8 @@ def plain_charts(known: Lights, seed: int) -> np.ndarray:
     coated = [
         Plastic(tuple(map(float, rng.uniform(0.1, 0.8, 3))), 1.5, float(rng.uniform(0.15, 0.6))) for _ in range(COATED)
     ]
-    made = [charts(brdf, known.lights, coarse=17) for brdf in (Matte((0.7, 0.7, 0.7)), *coated)]
+    brdfs: list[Brdf] = [Matte((0.7, 0.7, 0.7)), *coated]
+    made = [charts(brdf, known.lights, coarse=17) for brdf in brdfs]
     return np.maximum(np.concatenate(made), 0).astype(np.float32)
 
 
@@ -123,6 +125,10 @@ def material_lesson(
     return MaterialLesson(np.array(rows), np.array(materials), np.array(surfaces), np.array(probes))
 
 
+def _fields(lesson: Callable[[range], Any], numbers: range) -> dict[str, np.ndarray]:
+    return dict(vars(lesson(numbers)))
+
+
 def in_parts(
     count: int, name: str, lesson: Callable[[range], Any], keep: Keep, tell: Callable[[float], None]
 ) -> dict[str, np.ndarray]:
@@ -130,7 +136,7 @@ def in_parts(
     parts = []
     for start in range(0, count, PART):
         numbers = range(start, min(start + PART, count))
-        parts.append(keep(f"{name} {start}", lambda numbers=numbers: vars(lesson(numbers))))
+        parts.append(keep(f"{name} {start}", partial(_fields, lesson, numbers)))
         tell(numbers.stop / count)
     return {field: np.concatenate([part[field] for part in parts]) for field in parts[0]}
 
