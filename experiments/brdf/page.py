@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -36,6 +36,12 @@ BARS = {
     "materials": "1 of 5 in colour: 70 %; metal or not: 90 %",
 }
 
+READERS: dict[str, Callable[[Path], Iterator[Case]]] = {
+    "mit": scenes.mit,
+    "diligent": scenes.diligent,
+    "development": development.cases,
+}
+
 
 def cases(study: str, data: Path, shelf: Library, quick: bool) -> Iterator[Case]:
     """The cases of a study; the quick ones are generated and need no data."""
@@ -48,7 +54,7 @@ def cases(study: str, data: Path, shelf: Library, quick: bool) -> Iterator[Case]
             taken = generated.scene(made, shelf.charts, rng)
             yield Case(f"scene {number_}", made.name, taken.picture, made.mask, made.normals, made.height)
     else:
-        yield from {"mit": scenes.mit, "diligent": scenes.diligent, "development": development.cases}[study](data)
+        yield from READERS[study](data)
 
 
 def synthetic(shelf: Library, quick: bool) -> Iterator[Case]:
