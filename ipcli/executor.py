@@ -6,6 +6,8 @@ Standard library only: a spawned worker must set its thread counts before it loa
 
 from __future__ import annotations
 
+import os
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from concurrent.futures.process import BrokenProcessPool, ProcessPoolExecutor
@@ -98,13 +100,34 @@ def _in_processes(attempt: Callable, items: Sequence[str], workers: int) -> Iter
 
 @contextmanager
 def _pool(workers: int) -> Iterator[Executor]:
-    from multiprocessing import get_context
+    from multiprocessing import active_children, get_context
 
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=set_count, initargs=(1,))
+    others = set(active_children())
+    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_start_worker)
     try:
         yield pool
+    except BaseException as error:
+        if not isinstance(error, Exception):  # an interrupt or SIGTERM: do not wait for the items that are running
+            for worker in set(active_children()) - others:
+                worker.terminate()
+        raise
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def _start_worker() -> None:
+    """One inner thread, and an end as soon as the parent is gone: a killed parent cannot tell its workers."""
+    set_count(1)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    from multiprocessing import parent_process
+    from multiprocessing.connection import wait
+
+    if parent := parent_process():
+        wait([parent.sentinel])
+        os._exit(1)
 
 
 def _submitted(pool: Executor, attempt: Callable, items: Sequence[str]) -> Iterator[tuple[str, Attempt | None]]:

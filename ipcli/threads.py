@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import cache
 from typing import TypeVar
 
@@ -44,6 +44,22 @@ def each(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Resu
     if len(items) == 1 or getattr(_thread, "is_worker", False):
         return [function(item) for item in items]
     return list(_pool(count()).map(function, items))
+
+
+def ahead(function: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+    """The function of every item in order, one worked out while the one before is used; one by one with one thread."""
+    if count() == 1 or getattr(_thread, "is_worker", False):
+        yield from map(function, items)
+        return
+    with ThreadPoolExecutor(1) as pool:
+        coming: Future[Result] | None = None
+        for item in items:
+            following = pool.submit(function, item)
+            if coming is not None:
+                yield coming.result()
+            coming = following
+        if coming is not None:
+            yield coming.result()
 
 
 _thread = threading.local()

@@ -2,8 +2,12 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
+import time
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -147,3 +151,37 @@ def test_an_interrupt_is_not_an_item_that_failed():
 
     with pytest.raises(KeyboardInterrupt):
         map_items(interrupt, NAMES)
+
+
+def sleep_long(folder, name):
+    (Path(folder) / f"{name}.tmp").write_text(str(os.getpid()))
+    (Path(folder) / f"{name}.tmp").rename(Path(folder) / name)
+    time.sleep(60)
+
+
+def is_running(pid):
+    """Whether the process still runs: one that ended but was not yet waited for does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_workers_end_with_their_parent(tmp_path, how):
+    code = "import signal; from functools import partial; from ipcli.executor import map_items; "
+    code += "from tests.test_executor import sleep_long; signal.signal(2, signal.default_int_handler); "
+    code += f"map_items(partial(sleep_long, {str(tmp_path)!r}), ['a'], 'processes:1')"
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    with subprocess.Popen([sys.executable, "-c", code], env=environment, stderr=subprocess.DEVNULL) as parent:
+        until(lambda: (tmp_path / "a").exists(), 30)
+        parent.send_signal(how)
+        until(lambda: not is_running((tmp_path / "a").read_text()), 5)
+
+
+def until(condition, seconds):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)

@@ -97,7 +97,6 @@ WITHOUT_MIRROR = {
     "ipcli.models.gaze.retrieval",
     "ipcli.models.gaze.scene_map",
     "ipcli.models.gaze.surface",
-    "ipcli.models.gaze.tracking",
     "ipcli.report.gaze.gaze_experiment",
     "ipcli.report.gaze.panorama",
     "ipcli.report.gaze.recording",

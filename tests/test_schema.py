@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 
 from ipcli import schema
-from tests.fixtures.artefacts import artefacts
+from tests.fixtures.artefacts import artefacts, refs_of
 
 KINDS = list(schema.KINDS.values())
 
@@ -140,3 +140,47 @@ def test_an_unknown_kind_names_the_nearest():
 def test_no_dataset_name_fits_two_fields(kind):
     for name in example(kind):
         assert sum(field.match(name) is not None for field in kind.fields) == 1
+
+
+def referring():
+    """(kind, dataset, column, reference, dataset referred to) wherever a field refers to another."""
+    for kind in KINDS:
+        for name in example(kind):
+            field, item = kind.field(name)
+            for column, ref in enumerate(refs_of(field)):
+                if ref:
+                    yield pytest.param(
+                        kind, name, column, ref, ref.to.replace("*", item), id=f"{kind.name} {name} {column}"
+                    )
+
+
+@pytest.mark.parametrize(("kind", "name", "column", "ref", "target"), referring())
+def test_what_refers_to_nothing_is_refused_when_written_and_read(kind, name, column, ref, target):
+    arrays = example(kind)
+    schema.validate(kind, arrays)
+    is_text = arrays[name].dtype.kind == "U"
+    last = ref.base + len(arrays[target]) - 1 + ref.end
+    bad = ["nobody"] if is_text else [last + 1, ref.base - ref.none - 1]
+    good = ["text", *ref.also, *([""] if ref.none else [])] if is_text else [last, ref.base - ref.none]
+    for value in good:
+        schema.validate(kind, arrays | {name: placed(arrays[name], column, value, kind.field(name)[0])})
+    for value in bad:
+        with pytest.raises(
+            schema.SchemaError, match=f"^{name}: (refers to what is not in {target} .got {value}|value)"
+        ):
+            schema.validate(kind, arrays | {name: placed(arrays[name], column, value, kind.field(name)[0])})
+    assert ref.to in schema.markdown()
+
+
+def placed(array, column, value, field):
+    """The array with one value replaced, in a column of the last axis where there are several."""
+    changed = array.astype(f"U{max(len(str(value)), 4)}") if array.dtype.kind == "U" else array.copy()
+    changed[(0,) * (array.ndim - 1) + (column,) if len(refs_of(field)) > 1 else (0,) * array.ndim] = value
+    return changed
+
+
+def test_references_are_checked_among_what_is_given():
+    kind = schema.kind("behaviours")
+    schema.check_arrays(kind, {"component_action": np.array([77])})
+    with pytest.raises(schema.SchemaError, match="component_action: refers to what is not in actions .got 77, 2 there"):
+        schema.check_arrays(kind, {"actions": np.array(["a", "b"]), "component_action": np.array([77])})

@@ -38,3 +38,26 @@ def test_each_within_each_does_not_wait_for_itself(monkeypatch):
     monkeypatch.setattr(threads, "count", lambda: 2)
     outer = threads.each(lambda i: sum(threads.each(lambda j: 10 * i + j, range(5))), range(6))
     assert outer == [50 * i + 10 for i in range(6)]
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_ahead_keeps_the_order_and_is_one_item_ahead_at_most(monkeypatch, number):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", str(number))
+    begun = []
+
+    def one(item):
+        begun.append(item)
+        return 2 * item
+
+    seen = []
+    for done in threads.ahead(one, range(5)):
+        seen.append(done)
+        assert len(begun) <= len(seen) + number - 1
+    assert seen == [0, 2, 4, 6, 8]
+    assert list(threads.ahead(one, [])) == []
+
+
+def test_a_failure_ahead_reaches_the_caller(monkeypatch):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
+    with pytest.raises(ZeroDivisionError):
+        list(threads.ahead(lambda item: 1 // item, [1, 0]))

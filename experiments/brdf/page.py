@@ -1,6 +1,7 @@
 """Chapter 7 measured: every method on every case, as CSV, JSON and a page with the bars.
 
-python -m experiments.brdf.page mit|diligent|synthetic|materials --library FILE -o FOLDER [--data FOLDER] [--quick]
+python -m experiments.brdf.page mit|diligent|synthetic|development|materials --library FILE -o FOLDER
+    [--data FOLDER] [--quick]
 """
 
 from __future__ import annotations
@@ -8,13 +9,13 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from experiments.brdf import scenes
+from experiments.brdf import development, scenes
 from experiments.brdf.scenes import Case
 from ipcli.io.files import atomic, h5
 from ipcli.models.brdf import energy, evaluation, grid, solid
@@ -31,7 +32,14 @@ BARS = {
     ".381, SIFS 21.8 / .412, thesis 7.02 / .269",
     "diligent": "mean 22.5 degrees; inflation 24.1, SIFS 44.9 (means of the objects)",
     "synthetic": "N-MAE below inflation's: plastics by 25 %, metals by 5 %",
+    "development": "none: what parameters are chosen on",
     "materials": "1 of 5 in colour: 70 %; metal or not: 90 %",
+}
+
+READERS: dict[str, Callable[[Path], Iterator[Case]]] = {
+    "mit": scenes.mit,
+    "diligent": scenes.diligent,
+    "development": development.cases,
 }
 
 
@@ -46,7 +54,7 @@ def cases(study: str, data: Path, shelf: Library, quick: bool) -> Iterator[Case]
             taken = generated.scene(made, shelf.charts, rng)
             yield Case(f"scene {number_}", made.name, taken.picture, made.mask, made.normals, made.height)
     else:
-        yield from {"mit": scenes.mit, "diligent": scenes.diligent}[study](data)
+        yield from READERS[study](data)
 
 
 def synthetic(shelf: Library, quick: bool) -> Iterator[Case]:

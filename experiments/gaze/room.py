@@ -7,7 +7,7 @@ smooth loop and looks at one target after the other; eyes and head follow at the
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
@@ -16,6 +16,7 @@ import numpy as np
 from ipcli.geometry import lie
 from ipcli.io.files import atomic
 from ipcli.io.files.images import encode_png
+from ipcli.io.gaze.pictures import GREY
 from ipcli.measurements.recording import Camera, Frame, Gaze, HeadRecording
 
 ROOM = np.array([[-3.0, -1.4, -2.5], [3.0, 1.4, 2.8]])  # metres; y points down
@@ -32,6 +33,17 @@ TARGETS = np.array([[-2.0, 0.8, 2.2], [0.0, -0.4, 2.8], [1.7, 0.6, 1.8], [-2.4, 
 NAMES = ("chest", "picture", "cupboard", "shelf", "window")
 WAVES = (0.05, 0.11, 0.27, 0.7)  # metres: wavelengths of the noise
 BASELINE = 0.11
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """A room with boxes in it and what may be looked at there."""
+
+    boxes: np.ndarray = field(default_factory=lambda: BOXES)  # (b, 2, 3) least and greatest corner, metres
+    targets: np.ndarray = field(default_factory=lambda: TARGETS)  # (t, 3) metres
+    names: tuple[str, ...] = NAMES
+    attention: Callable | None = None  # (rng, end, dwell) -> times at which attention turns, and to which target
+    tint: np.ndarray | None = None  # (1 + b, 3) colour of the room and of each box, 1 is as grey; None: no colour
 
 
 @dataclass(frozen=True)
@@ -61,31 +73,33 @@ class Walk:
     depth: Callable[[int], np.ndarray]  # true depth (h, w) of the left camera
 
 
-def walk(course: Course, seed: int) -> Walk:
-    """The same bytes for the same course and seed."""
+def walk(course: Course, seed: int, place: Place | None = None) -> Walk:
+    """The same bytes for the same course, seed and place."""
+    place = Place() if place is None else place
     rng = np.random.default_rng(seed)
     times = np.arange(course.frames) / course.rate
     gaze_times = np.arange(0.0, times[-1] + 1e-9, 1 / course.gaze_rate) + 1e-4
-    switches, order = _attention(rng, times[-1], course.dwell)
+    turning = place.attention or _attention
+    switches, order = turning(rng, times[-1], course.dwell)
     at = np.searchsorted(switches, gaze_times, side="right") - 1
-    pose_at = _head(rng, switches, order, times[-1], course.still)
+    pose_at = _head(rng, switches, place.targets[order], times[-1], course.still)
     cameras = _cameras(course)
     truth = np.stack([pose_at(time) for time in times])
-    gaze = _gaze(rng, gaze_times, order[at], pose_at, course)
+    gaze = _gaze(rng, gaze_times, order[at], pose_at, course, place)
     started = np.searchsorted(times, switches[1:])
     keys = np.unique(np.concatenate([[0], started[started < course.frames]]))
 
     def load(k: int) -> Frame:
         dark = course.dark[0] <= k < course.dark[1]
         own = np.random.default_rng([seed, k])
-        images = [_picture(cameras[c], truth[k], course, own, dark, course.offset * c) for c in range(2)]
-        return Frame(images[0], images[1])
+        images = [_picture(cameras[c], truth[k], course, own, dark, course.offset * c, place) for c in range(2)]
+        return Frame(images[0][0], images[1][0], colour=images[0][1])
 
     recording = HeadRecording(
         tuple(f"{k:05d}" for k in range(course.frames)), times, cameras, load, (), gaze, truth,
-        targets=TARGETS, target_names=NAMES, source="generated room",
+        targets=place.targets, target_names=place.names, source="generated room",
     )  # fmt: skip
-    return Walk(recording, order[at], keys, lambda k: _cast(cameras[0], truth[k], 0.0)[0])
+    return Walk(recording, order[at], keys, lambda k: _cast(cameras[0], truth[k], 0.0, place.boxes)[0])
 
 
 def _attention(rng: np.random.Generator, end: float, dwell: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -98,12 +112,12 @@ def _attention(rng: np.random.Generator, end: float, dwell: tuple[float, float])
     return np.array(switches), np.array(order)
 
 
-def _head(rng, switches: np.ndarray, order: np.ndarray, end: float, still: bool) -> Callable[[float], np.ndarray]:
-    """world_from_rig at any time: a smooth loop, and a head that turns after the eyes."""
+def _head(rng, switches: np.ndarray, towards: np.ndarray, end: float, still: bool) -> Callable[[float], np.ndarray]:
+    """world_from_rig at any time: a smooth loop; the head turns after the eyes `towards` one place after the next."""
     phase = rng.uniform(0, 2 * np.pi)
     grid = np.arange(-2.0, end + 2.0, 0.01)
-    index = np.clip(np.searchsorted(switches, grid, side="right") - 1, 0, len(order) - 1)
-    aims = TARGETS[order[index]]
+    index = np.clip(np.searchsorted(switches, grid, side="right") - 1, 0, len(towards) - 1)
+    aims = towards[index]
     kernel = np.exp(-0.5 * (np.arange(-60, 61) / 20.0) ** 2)
     kernel /= kernel.sum()
     padded = np.pad(aims, ((60, 60), (0, 0)), mode="edge")
@@ -114,7 +128,7 @@ def _head(rng, switches: np.ndarray, order: np.ndarray, end: float, still: bool)
         centre = np.array(
             [0.6 * np.sin(0.5 * t + phase), 0.05 * np.sin(5.0 * t), -0.4 + 0.4 * np.sin(0.31 * t + phase)]
         )
-        aim = TARGETS[order[0]] if still else np.array([np.interp(time, grid, smooth[:, axis]) for axis in range(3)])
+        aim = towards[0] if still else np.array([np.interp(time, grid, smooth[:, axis]) for axis in range(3)])
         ahead = np.array([0.0, 0.0, 2.5])
         direction = 0.75 * (aim - centre) / np.linalg.norm(aim - centre) + 0.25 * ahead / np.linalg.norm(ahead)
         z = direction / np.linalg.norm(direction)
@@ -137,7 +151,7 @@ def _cameras(course: Course) -> tuple[Camera, Camera]:
     return (Camera(size, k, "radtan", lens), Camera(size, k, "radtan", lens, right))
 
 
-def _gaze(rng, times: np.ndarray, looked_at: np.ndarray, pose_at, course: Course) -> Gaze:
+def _gaze(rng, times: np.ndarray, looked_at: np.ndarray, pose_at, course: Course, place: Place) -> Gaze:
     """Pixels of the gaze in camera 0; its error is spread alike to all sides."""
     from ipcli.geometry import lens
 
@@ -145,7 +159,7 @@ def _gaze(rng, times: np.ndarray, looked_at: np.ndarray, pose_at, course: Course
     sigma = np.radians(course.noise) / np.sqrt(2)
     pixels = np.empty((len(times), 2))
     for n, (time, target) in enumerate(zip(times, looked_at, strict=True)):
-        seen = lie.se3_inverse(pose_at(time)) @ np.append(TARGETS[target], 1.0)
+        seen = lie.se3_inverse(pose_at(time)) @ np.append(place.targets[target], 1.0)
         ray = seen[:3] / np.linalg.norm(seen[:3])
         side = np.cross(ray, [0.0, 1.0, 0.0])
         side /= np.linalg.norm(side)
@@ -154,30 +168,45 @@ def _gaze(rng, times: np.ndarray, looked_at: np.ndarray, pose_at, course: Course
         ideal = off[:2] / off[2]
         pixels[n] = lens.pixels_of(lens.distort(camera.model, camera.distortion, ideal), camera.intrinsics)
     inside = np.asarray(np.logical_and(pixels > 0, pixels < np.array(camera.size) - 1).all(axis=1))
-    return Gaze(times, pixels, inside, labels=np.array(NAMES)[looked_at], source="generated")
+    return Gaze(times, pixels, inside, labels=np.array(place.names)[looked_at], source="generated")
 
 
-def _picture(camera: Camera, world_from_rig, course: Course, rng, dark: bool, offset: float) -> np.ndarray:
+def _picture(
+    camera: Camera, world_from_rig, course: Course, rng, dark: bool, offset: float, place: Place
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """Grey picture (h, w), and the one with colours (h, w, 3) where the place has some."""
     if dark:
-        return np.full((course.height, course.width), 3, np.uint8)
-    _, points, face = _cast(camera, world_from_rig, offset)
+        return np.full((course.height, course.width), 3, np.uint8), None
+    _, points, face = _cast(camera, world_from_rig, offset, place.boxes)
     grey = 120 + 95 * _noise(points) + 6 * np.cos(1.7 * face)
-    return np.clip(np.rint(grey + rng.normal(0, course.picture_noise, grey.shape)), 0, 255).astype(np.uint8)
+    noisy = grey + rng.normal(0, course.picture_noise, grey.shape)
+    if place.tint is None:
+        return np.clip(np.rint(noisy), 0, 255).astype(np.uint8), None
+    colour = np.clip(np.rint(noisy[..., None] * place.tint[face // 6]), 0, 255).astype(np.uint8)
+    return np.rint(colour @ GREY).astype(np.uint8), colour
 
 
-def _cast(camera: Camera, world_from_rig: np.ndarray, offset: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _cast(
+    camera: Camera, world_from_rig: np.ndarray, offset: float, boxes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Depth (h, w), world points (h, w, 3) and face numbers of what each pixel sees."""
     world_from_cam = world_from_rig @ np.linalg.inv(camera.cam_from_rig)
     ideal = _ideal(camera.size, camera.model, camera.intrinsics.tobytes(), camera.distortion.tobytes(), offset)
     rays = ideal @ world_from_cam[:3, :3].T
     origin = world_from_cam[:3, 3]
+    length, face = meet(origin, rays, boxes)
+    return length, origin + length[..., None] * rays, face
+
+
+def meet(origins: np.ndarray, rays: np.ndarray, boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far rays (..., 3) go until they meet the room or a box, in lengths of theirs, and the face that they meet."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        length, face = _inside(origin, rays)
-        for number, box in enumerate(BOXES, start=1):
-            near, side = _outside(origin, rays, box)
+        length, face = _inside(origins, rays)
+        for number, box in enumerate(boxes, start=1):
+            near, side = _outside(origins, rays, box)
             closer = near < length
             length, face = np.where(closer, near, length), np.where(closer, 6 * number + side, face)
-    return length, origin + length[..., None] * rays, face
+    return length, face
 
 
 @cache
@@ -231,10 +260,12 @@ def write_euroc(walked: Walk, folder: Path, *, jpeg: int | None = None) -> None:
     """The recording as an EuRoC folder with gaze.csv and targets.csv."""
     recording = walked.recording
     stamps = [int(round(time * 1e9)) + 1_000_000_000 for time in recording.times]
-    for camera, side in enumerate(("left", "right")):
+    for camera in range(2):
         _write_sensor(folder / f"cam{camera}_sensor.yaml", recording.cameras[camera])
-        for k, stamp in enumerate(stamps):
-            image = getattr(recording.load(k), side)
+    for k, stamp in enumerate(stamps):
+        frame = recording.load(k)
+        for camera, image in enumerate((frame.left if frame.colour is None else frame.colour, frame.right)):
+            assert image is not None
             _write_picture(folder / f"cam{camera}" / str(stamp), image, jpeg)
     from ipcli.io.gaze.trajectories import write_tum
 
@@ -242,6 +273,7 @@ def write_euroc(walked: Walk, folder: Path, *, jpeg: int | None = None) -> None:
     assert gaze is not None
     assert gaze.labels is not None
     assert truth is not None
+    assert recording.targets is not None
     path = write_tum(np.array(stamps) * 1e-9, truth, "generated room: world_from_cam0")
     atomic.write_text(folder / "gt_cam0.tum", path)
     lines = ["time [s],x [px],y [px],valid,label"]
@@ -250,7 +282,9 @@ def write_euroc(walked: Walk, folder: Path, *, jpeg: int | None = None) -> None:
         for time, (x, y), valid, label in zip(gaze.times, gaze.pixels, gaze.valid, gaze.labels, strict=True)
     ]
     atomic.write_text(folder / "gaze.csv", "\n".join(lines) + "\n")
-    places = [f"{name},{x:g},{y:g},{z:g}" for name, (x, y, z) in zip(NAMES, TARGETS, strict=True)]
+    places = [
+        f"{name},{x:g},{y:g},{z:g}" for name, (x, y, z) in zip(recording.target_names, recording.targets, strict=True)
+    ]
     atomic.write_text(folder / "targets.csv", "\n".join(["name,x [m],y [m],z [m]", *places]) + "\n")
 
 

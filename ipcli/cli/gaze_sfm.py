@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -12,23 +11,7 @@ from ipcli.params import Run
 from ipcli.stages.gaze.parameters import Check, GazeSfm
 
 
-class WithCheck(click.Command):
-    """A command whose first argument may be `check`, which is a command of its own."""
-
-    def make_context(
-        self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
-    ) -> click.Context:
-        """The context of `check` where that is asked for."""
-        if args and args[0] == "check":
-            return check.make_context(f"{info_name} check", args[1:], parent, **extra)
-        return super().make_context(info_name, args, parent, **extra)
-
-    def invoke(self, ctx: click.Context) -> Any:
-        """Run the command that the context is of."""
-        return super().invoke(ctx) if ctx.command is self else ctx.command.invoke(ctx)
-
-
-@click.command("gaze-sfm", cls=WithCheck)
+@click.command("gaze-sfm", cls=options.first_word(check=lambda: _check()))
 @click.argument("recording", type=options.PATH)
 @options.output("Experiment to write, such as run.h5.")
 @options.parameters(GazeSfm)
@@ -48,11 +31,7 @@ def main(recording: Path, output: Path, params: GazeSfm, run: Run) -> None:
     if run.dry_run:
         options.conclude(output, run)
         return
-    facts = gaze_sfm.summary(output)
-    if not run.json:
-        click.echo("\n".join([str(output), *(f"{key}: {value}" for key, value in facts.items() if key != "output")]))
-    else:
-        options.conclude(facts, run)
+    options.conclude(gaze_sfm.summary(output), run, with_figures=True)
 
 
 @click.command("check")
@@ -67,3 +46,7 @@ def check(recording: Path, params: Check, run: Run) -> None:
     options.conclude(facts | ({"warnings": warnings} if run.json else {}), run)
     if not run.json:
         click.echo("\n".join(f"Warning: {warning}" for warning in warnings) or "no warning")
+
+
+def _check() -> click.Command:
+    return check

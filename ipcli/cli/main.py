@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import logging
 import os
+import signal
 import sys
+import threading
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
@@ -20,6 +22,7 @@ from ipcli import __version__
 from ipcli.errors import IpcliError, nearest
 
 INTERRUPTED = 130
+TERMINATED = 143
 
 
 class Command(NamedTuple):
@@ -34,6 +37,12 @@ SECTIONS = {
         "gaze-sfm": Command("Find where the wearer was and what they looked at.", is_script=True),
         "import-recording": Command("Turn a head-mounted recording into one file."),
         "gaze-views": Command("Make views for fuse-depth of a localised recording."),
+    },
+    "Saliency": {
+        "saliency": Command("Tell what is likely to be looked at in a scene.", is_script=True),
+        "saliency-train": Command("Learn from recorded fixations where people look."),
+        "saliency-predict": Command("Predict where people look in pictures, meshes and clouds."),
+        "saliency-evaluate": Command("Measure how well fixations are predicted, and by what."),
     },
     "Depth fusion": {
         "fuse-depth": Command("Fuse depth maps of several views into one.", is_script=True),
@@ -123,6 +132,7 @@ def __getattr__(name: str) -> Callable[..., int]:
 def _guarded(command: click.Command, name: str, arguments: list[str] | None) -> int:
     """Every way in which a command may end, as an exit code."""
     _set_up_logging()
+    _end_on_sigterm()
     try:
         code = command.main(arguments, name, standalone_mode=False)
         sys.stdout.flush()
@@ -138,6 +148,8 @@ def _guarded(command: click.Command, name: str, arguments: list[str] | None) -> 
         # the reader of our output went away; keep the interpreter from failing once more when it flushes at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+    except Terminated:
+        return _failed("terminated", TERMINATED)
     except (KeyboardInterrupt, click.Abort):
         return _failed("interrupted", INTERRUPTED)
     except OSError as error:
@@ -148,6 +160,21 @@ def _guarded(command: click.Command, name: str, arguments: list[str] | None) -> 
         return _failed(
             f"internal error: {type(error).__name__}: {error}. Run again with -vv and report what it prints", 1
         )
+
+
+class Terminated(BaseException):
+    """SIGTERM came: unwind as for an interrupt, so that temporary files and unpacked archives are removed."""
+
+
+def _end_on_sigterm() -> None:
+    """Raise Terminated on SIGTERM, unless whoever calls us (a notebook, nohup) has a handler or ignores it."""
+    if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+        signal.signal(signal.SIGTERM, _raise_terminated)
+
+
+def _raise_terminated(signum: int, frame: object) -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # a second one must not cut the cleaning short
+    raise Terminated
 
 
 def _failed(message: str, code: int) -> int:

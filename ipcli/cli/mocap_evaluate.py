@@ -27,4 +27,5 @@ def main(clips: tuple[Path, ...], output: Path, params: MocapEvaluate, run: Run)
 
     with options.progress("mocap-evaluate", run) as tell:
         mocap_evaluate.run(clips, output, params, run, tell)
-    options.conclude(output, run)
+    figures = mocap_evaluate.figures(output) if output.exists() else {}
+    options.conclude({"output": output} | figures, run, with_figures=True)

@@ -27,4 +27,5 @@ def main(clips: tuple[Path, ...], output: Path, params: MocapTrain, run: Run) ->
 
     with options.progress("mocap-train", run) as tell:
         mocap_train.run(clips, output, params, run, tell)
-    options.conclude(output, run)
+    figures = mocap_train.figures(output) if output.exists() else {}
+    options.conclude({"output": output} | figures, run, with_figures=True)

@@ -20,6 +20,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -162,6 +163,32 @@ def _epilog(cls: type) -> str | None:
     return "\b\nSettings for --set / TOML:\n" + "\n".join(rows)
 
 
+def first_word(**words: Callable[[], click.Command]) -> type[click.Command]:
+    """The class of a command whose first argument may be one of these words, each of which is a command of its own."""
+
+    class FirstWord(click.Command):
+        """A command, or the one that its first argument names."""
+
+        def make_context(
+            self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
+        ) -> click.Context:
+            """The context of the command that is asked for."""
+            if args and args[0] in words:
+                return words[args[0]]().make_context(f"{info_name} {args[0]}", args[1:], parent, **extra)
+            return super().make_context(info_name, args, parent, **extra)
+
+        def invoke(self, ctx: click.Context) -> Any:
+            """Run the command that the context is of."""
+            return super().invoke(ctx) if ctx.command is self else ctx.command.invoke(ctx)
+
+    return FirstWord
+
+
+def command(name: str) -> Callable[[], click.Command]:
+    """What loads the command of that name when it is asked for."""
+    return lambda: import_module(f"ipcli.cli.{name.replace('-', '_')}").main
+
+
 @contextmanager
 def progress(label: str, run: Run) -> Iterator[Progress]:
     """A callable for stages, `tell(fraction, text)`: a bar on a terminal, else a line every 30 s; silent with -q."""
@@ -204,15 +231,18 @@ class Teller:
             self.stream.flush()
 
 
-def conclude(result: Path | Mapping[str, Any], run: Run) -> None:
+def conclude(result: Path | Mapping[str, Any], run: Run, *, with_figures: bool = False) -> None:
     """The result on stdout: with --json one object ({"output": path} for a path), else the path, or each
-    `key: value`.
+    `key: value`; with `with_figures` the path and below it the others.
     """
     facts = result if isinstance(result, Mapping) else {"output": result}
     if run.json:
         click.echo(json.dumps(_jsonable(facts), allow_nan=False))
     elif "output" in facts:
         click.echo(str(facts["output"]))
+        for key, value in facts.items():
+            if with_figures and key != "output":
+                click.echo(f"{key.replace('_', ' ')}: {value}")
     else:
         click.echo("\n".join(f"{key}: {value}" for key, value in facts.items()))
 

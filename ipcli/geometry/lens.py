@@ -67,7 +67,9 @@ def undistort(model: str, coefficients: np.ndarray, distorted: np.ndarray) -> np
     with np.errstate(all="ignore"):
         for _ in range(NEWTON):
             error = distort(model, coefficients, found) - target
-            step = np.linalg.solve(_jacobian(model, coefficients, found), error[..., None])[..., 0]
+            (a, b), (c, d) = np.moveaxis(_jacobian(model, coefficients, found), (-2, -1), (0, 1))
+            step = np.stack([d * error[..., 0] - b * error[..., 1], a * error[..., 1] - c * error[..., 0]], axis=-1)
+            step /= (a * d - b * c)[..., None]
             found = found - np.clip(np.nan_to_num(step), -0.5, 0.5)
             if np.abs(np.nan_to_num(step)).max(initial=0.0) < 1e-13:
                 break

@@ -54,6 +54,26 @@ class Caster:
         grey = np.where(np.isfinite(depth), np.round(225 * cosine), BACKGROUND).astype(np.uint8)
         return depth, np.repeat(grey[..., None], 3, axis=-1)
 
+    def from_front(self, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """What parallel rays along -z meet first in the square [-1, 1]^2 of side x side pixels, x right, y up.
+
+        Height z (s, s), NaN where nothing is met; triangle (s, s) int, weights of its corners (s, s, 3) and its normal
+        (s, s, 3).
+        """
+        axis = (np.arange(side) + 0.5) / side * 2 - 1
+        x, y = np.meshgrid(axis, -axis)
+        start = 4.0
+        origin = np.stack([x, y, np.full_like(x, start)], axis=-1)
+        hit = self._scene.cast_rays(
+            self._core.Tensor(self._packed(origin, np.broadcast_to([0.0, 0.0, -1.0], origin.shape)))
+        )
+        away = hit["t_hit"].numpy().astype(np.float64)
+        height = np.where(np.isfinite(away), start - away, np.nan)
+        uv = hit["primitive_uvs"].numpy().astype(np.float64)
+        weights = np.concatenate([1 - uv.sum(axis=-1, keepdims=True), uv], axis=-1)
+        triangle = np.where(np.isfinite(away), hit["primitive_ids"].numpy().astype(np.int64), -1)
+        return height, triangle, weights, hit["primitive_normals"].numpy().astype(np.float64)
+
     @staticmethod
     def _packed(origin: np.ndarray, directions: np.ndarray) -> np.ndarray:
         return np.concatenate([np.broadcast_to(origin, directions.shape), directions], axis=-1).astype(np.float32)

@@ -83,6 +83,16 @@ class Groups:
             skeleton.indices(names, self.source)
         return {part: skeleton.indices(names, f"{self.source}: group '{part}'") for part, names in self.parts.items()}
 
+    def needed(self, skeleton: Skeleton) -> tuple[str, ...]:
+        """The joints that a motion has to have: those that are named, and what these hang from up to what all of them
+        hang from. What hangs below, and what lies above, plays no part.
+        """
+        named = skeleton.indices([self.root, self.top, *self.left, *self.right, *self.bottom], self.source)
+        paths = [skeleton.path(int(joint)) for joint in {*named, *np.concatenate([*self.indices(skeleton).values()])}]
+        above = set.intersection(*map(set, paths)) if paths else set()
+        common = {joint for joint in above if joint != next((j for j in paths[0] if j in above), None)}
+        return tuple(skeleton.joints[joint] for joint in sorted({*sum(paths, ())} - common))
+
     def images(self, skeleton: Skeleton) -> np.ndarray:
         """Index (j,) of the joint that stands for each one in a mirror.
 

@@ -32,12 +32,16 @@ def open_source(
 ) -> Source:
     """What is at `path`, lazily. `format` is a key of the layouts or "auto"; hints that are None count as not given.
 
-    Raises FormatError when no layout fits (listing what was looked for), ParameterError for an unknown format or a hint
-    that the layout has no use for.
+    Raises FormatError for a pipe or a device, and when no layout fits (listing what was looked for); ParameterError for
+    an unknown format or a hint that the layout has no use for.
     """
     path = Path(path)
     if not path.exists():
         raise FormatError(path, "no such file or folder", fix="Check the path")
+    if not (path.is_file() or path.is_dir()):
+        raise FormatError(
+            path, "a pipe or a device, which can be read but once or has no end", fix="Give a file or folder"
+        )
     layout = _recognised(path, layouts, what, fix) if format == "auto" else _named(format, layouts)
     given = {key: value for key, value in hints.items() if value is not None}
     known = [name for name, item in inspect.signature(layout.open).parameters.items() if item.kind is item.KEYWORD_ONLY]

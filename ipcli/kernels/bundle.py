@@ -13,7 +13,7 @@ from numba import njit
 NEAREST = 1e-6  # depth below which an observation is taken to be behind its camera
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _predict(rotation, translation, cam_rotation, cam_translation, intrinsics, point, in_rig, in_cam):
     """The point in the rig's and in the camera's frame; pixel coordinates, NaN behind the camera."""
     for a in range(3):
@@ -31,7 +31,7 @@ def _predict(rotation, translation, cam_rotation, cam_translation, intrinsics, p
     return u, v
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def residuals(rotations, translations, cam_rotations, cam_translations, intrinsics, offset, points, seen, pixels):
     """Predicted minus measured pixels (m, 2); NaN where a point is behind the camera. `seen` (m, 3): frame, camera,
     point.
@@ -49,7 +49,7 @@ def residuals(rotations, translations, cam_rotations, cam_translations, intrinsi
     return out
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _jacobians(rotation, cam_rotation, intrinsics, in_rig, in_cam, scale, by_point, by_frame):
     """Derivatives of the scaled residual by the point (2, 3) and by the twist of the frame (2, 6)."""
     z = in_cam[2]
@@ -65,7 +65,7 @@ def _jacobians(rotation, cam_rotation, intrinsics, in_rig, in_cam, scale, by_poi
             by_point[row, b] = g0 * rotation[0, b] + g1 * rotation[1, b] + g2 * rotation[2, b]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _inverse3(a, out):
     """Inverse of a symmetric positive definite 3 x 3 matrix; False when it is singular."""
     c00 = a[1, 1] * a[2, 2] - a[1, 2] * a[1, 2]
@@ -82,7 +82,7 @@ def _inverse3(a, out):
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _add_frame(matrix, vector, block, column, weight, by_point, by_frame, error):
     """One observation's share of its frame's gradient, Hessian block and cross block (6, 3)."""
     for row in range(2):
@@ -94,7 +94,7 @@ def _add_frame(matrix, vector, block, column, weight, by_point, by_frame, error)
                 block[a, b] += weight * by_frame[row, a] * by_point[row, b]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _add_offset(matrix, vector, by_offset, column, weight, scale, by_point, by_frame, error):
     """The same of the offset, which moves u of camera 1 alone."""
     last = len(vector) - 1
@@ -107,7 +107,7 @@ def _add_offset(matrix, vector, by_offset, column, weight, scale, by_point, by_f
             matrix[6 * column + a, last] += weight * scale * by_frame[0, a]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _eliminate(matrix, vector, inverse, gradient, blocks, block_columns, by_offset, with_offset, product):
     """Take one point out of the system: subtract W V^-1 W^T for all pairs of its frames, and for the offset."""
     last = len(vector) - 1
@@ -144,7 +144,7 @@ def _eliminate(matrix, vector, inverse, gradient, blocks, block_columns, by_offs
                 matrix[last, last] -= share * by_offset[b]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def reduced_system(
     rotations, translations, cam_rotations, cam_translations, intrinsics, offset, points, seen, pixels, scales, starts,
     columns, loss, damping, with_offset, matrix, vector, point_inverse, point_gradient, blocks, block_columns,
@@ -209,7 +209,7 @@ def reduced_system(
     return cost
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def back_substitute(solution, starts, point_inverse, point_gradient, blocks, block_columns, by_offset, with_offset):
     """Steps (p, 3) of the points, given those of the frames and the offset."""
     steps = np.empty_like(point_gradient)

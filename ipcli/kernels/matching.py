@@ -6,20 +6,20 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True)
-def _distance(a, b, worst):
-    """Squared distance of two rows of bytes; given up once it exceeds `worst`."""
-    total = 0
-    for start in range(0, a.shape[0], 16):
-        for k in range(start, start + 16):
-            d = int(a[k]) - int(b[k])
-            total += d * d
-        if total > worst:
-            return total
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _distance(a, b):
+    """Squared distance of two rows of whole numbers up to 255 in float32: exact in any order, as it stays below 2^24.
+
+    A whole row in one go is several times as quick as giving up early.
+    """
+    total = np.float32(0.0)
+    for k in range(a.shape[0]):
+        d = a[k] - b[k]
+        total += d * d
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def in_band(left, right, left_descriptors, right_descriptors, order, band, least, most, ratio, worst):
     """For each left feature the index of its match in the right picture, -1 without; (n,) and squared distances.
 
@@ -29,6 +29,7 @@ def in_band(left, right, left_descriptors, right_descriptors, order, band, least
     """
     match, distance = np.full(len(left), -1), np.full(len(left), worst + 1)
     rows = right[order, 1]
+    own, other = left_descriptors.astype(np.float32), right_descriptors.astype(np.float32)
     for i in range(len(left)):
         if np.isnan(left[i, 0]):
             continue
@@ -40,7 +41,7 @@ def in_band(left, right, left_descriptors, right_descriptors, order, band, least
             disparity = left[i, 0] - right[j, 0]
             if not least <= disparity <= most:
                 continue
-            d = _distance(left_descriptors[i], right_descriptors[j], second)
+            d = int(_distance(own[i], other[j]))
             if d < best:
                 second = best if match[i] >= 0 else second
                 best, match[i] = d, j
@@ -52,7 +53,7 @@ def in_band(left, right, left_descriptors, right_descriptors, order, band, least
     return match, distance
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def near(expected, features, expected_descriptors, descriptors, order, radius, ratio, worst):
     """For each expected pixel (m, 2) the index of the feature within `radius` (m,) pixels that matches, -1 without.
 
@@ -60,6 +61,7 @@ def near(expected, features, expected_descriptors, descriptors, order, radius, r
     """
     match, distance = np.full(len(expected), -1), np.full(len(expected), worst + 1)
     rows = features[order, 1]
+    own, other = expected_descriptors.astype(np.float32), descriptors.astype(np.float32)
     for i in range(len(expected)):
         if np.isnan(expected[i, 0]):
             continue
@@ -71,7 +73,7 @@ def near(expected, features, expected_descriptors, descriptors, order, radius, r
             du, dv = expected[i, 0] - features[j, 0], expected[i, 1] - features[j, 1]
             if du * du + dv * dv > reach * reach:
                 continue
-            d = _distance(expected_descriptors[i], descriptors[j], second)
+            d = int(_distance(own[i], other[j]))
             if d < best:
                 second = best if match[i] >= 0 else second
                 best, match[i] = d, j

@@ -12,9 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
-from ipcli.geometry.skeleton import Groups, Skeleton
+from ipcli.geometry.skeleton import NO_PARENT, Groups, Skeleton
 
 RIGID_TOLERANCE = 1e-3  # largest |R^T R - I| entry of a rotation given by a file
+RATES = (1.0, 1000.0)  # Hz, of any motion
+USUAL_RATES = (5.0, 500.0)  # Hz, of a motion that was misread
 TRAIN, TEST = 1, 2  # entries of a published split; 0 is neither
 
 
@@ -26,6 +28,7 @@ class Motion:
     positions: np.ndarray  # (f, j, 3) float64, metres, NaN = not seen
     rate: float  # frames a second
     rotations: np.ndarray | None = None  # (f, j, 3, 3) float64, world_from_bone
+    notes: tuple[str, ...] = ()  # what a reader took for granted or left out
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +54,7 @@ class Clips:
     files: Callable[[str], tuple[Path, ...]]  # what a clip is made of, for the provenance
     # published ones: name -> (clips,) of TRAIN, TEST or 0
     splits: Mapping[str, np.ndarray] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()  # what the reader took for granted or left out
 
     def __repr__(self) -> str:
         actions, people = sorted({*self.labels} - {""}), len({*self.actors} - {""})
@@ -78,13 +82,48 @@ def check_motion(motion: Motion, where: str | Path) -> Motion:
         raise FormatError(where, f"an infinite position at {at}", fix="Mark what is not known as NaN")
     if np.isnan(positions).all():
         raise FormatError(where, "no joint is known in any frame", fix="Check the columns, or leave the recording out")
-    if not (np.isfinite(motion.rate) and motion.rate > 0):
-        raise FormatError(
-            where, "no frame rate", expected="> 0 Hz", got=motion.rate, fix="Give the rate with --source-rate"
-        )
+    _check_rate(motion.rate, where)
     if motion.rotations is not None:
         _check_rotations(motion.rotations, motion, where)
     return motion
+
+
+def _check_rate(rate: float, where: str | Path) -> None:
+    if not (np.isfinite(rate) and rate > 0):
+        raise FormatError(where, "no frame rate", expected="> 0 Hz", got=rate, fix="Give the rate with --source-rate")
+    low, high = RATES
+    if low <= rate <= high:
+        return
+    causes = [
+        f"{cause}, give --source-rate {guess:.6g}"
+        for guess, cause in (
+            (1000 * rate, "If its times are in milliseconds"),
+            (1 / rate, "If frames a second stand where the time of a frame has to"),
+            (1e6 * rate, "If its times are in microseconds"),
+        )
+        if USUAL_RATES[0] <= guess <= USUAL_RATES[1]
+    ]
+    fix = ". ".join(causes) or "Give the rate with --source-rate"
+    expected = f"{low:g} to {high:g} Hz"
+    raise FormatError(where, f"{rate:.3g} frames a second", expected=expected, got=f"{1 / rate:.3g} s a frame", fix=fix)
+
+
+def onto(motion: Motion, skeleton: Skeleton) -> Motion:
+    """The motion with the joints of another skeleton, found by name: NaN where it has none of a name.
+
+    A joint whose parent it has not hangs from nothing.
+    """
+    if motion.skeleton == skeleton:
+        return motion
+    there = {name: index for index, name in enumerate(motion.skeleton.joints)}
+    found = np.array([there.get(name, -1) for name in skeleton.joints])
+    positions = np.where((found >= 0)[:, None], motion.positions[:, found], np.nan)
+    rotations = motion.rotations
+    if rotations is not None:
+        rotations = np.where((found >= 0)[:, None, None], rotations[:, found], np.nan)
+    parents = tuple(p if p >= 0 and found[p] >= 0 else NO_PARENT for p in skeleton.parents)
+    own = skeleton if parents == skeleton.parents else Skeleton(skeleton.joints, parents)
+    return replace(motion, skeleton=own, positions=positions, rotations=rotations)
 
 
 def _check_skeleton(skeleton: Skeleton, where: str | Path) -> None:

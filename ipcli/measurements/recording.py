@@ -71,6 +71,28 @@ class HeadRecording:
         return len(self.cameras) == 2
 
 
+@dataclass(frozen=True, eq=False)
+class Areas:
+    """Named boxes, plane polygons and labelled points, in the frame of the world; metres.
+
+    The area of index i is `names[i]`; each has a shape in just one of the three.
+    """
+
+    names: tuple[str, ...]
+    boxes: dict[int, np.ndarray] = field(default_factory=dict)  # (2, 3) low and high corner
+    polygons: dict[int, np.ndarray] = field(default_factory=dict)  # (n, 3) corners in order, n >= 3
+    clouds: dict[int, np.ndarray] = field(default_factory=dict)  # (n, 3) points of the area's surface
+
+
+@dataclass(frozen=True, eq=False)
+class Landmarks:
+    """Named places; each may be marked in some frames."""
+
+    names: tuple[str, ...]
+    places: np.ndarray  # (w, 3) metres in the frame that is to be the world
+    marks: tuple[tuple[int, str, float, float], ...] = ()  # landmark, frame's name, u, v in camera 0's picture
+
+
 def window(recording: HeadRecording, start: int, stop: int, step: int = 1) -> HeadRecording:
     """Frames start, start + step, ... before stop, with all gaze."""
     import dataclasses

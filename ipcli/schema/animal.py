@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from ipcli.schema.fields import FINITE, WEIGHT, Domain, Field, Kind
+from ipcli.schema.fields import FINITE, WEIGHT, Domain, Field, Kind, Ref
 
 POSITIVE = Domain("finite, > 0", 0.0, closed=False)
 
 TREE = (
     Field("parts", "str", ("p",), "", "Name of each part"),
-    Field("parents", "int16", ("p",), "", "Index of the parent of each part; -1 for the root"),
+    Field(
+        "parents",
+        "int16",
+        ("p",),
+        "",
+        "Index of the parent of each part; -1 for the root",
+        refers=Ref("parts", none=True),
+    ),
 )
 
 ASPECTS = Kind(
@@ -18,7 +25,7 @@ ASPECTS = Kind(
     (
         *TREE,
         Field("aspects/*/image", "str", (), "", "Name of the image"),
-        Field("aspects/*/part", "int16", (), "", "Index of the part"),
+        Field("aspects/*/part", "int16", (), "", "Index of the part", refers=Ref("parts")),
         Field(
             "aspects/*/heights", "float32", ("h", "w"), "px", "Half thickness over the mask, 0 outside", domain=WEIGHT
         ),
@@ -68,8 +75,9 @@ MODEL = Kind(
         *TREE,
         Field("name", "str", (), "", "Name of the animal"),
         Field("vertices", "float32", ("n", 3), "unit", "x forward, y to its left, z up", domain=FINITE),
-        Field("faces", "int32", ("m", 3), "", "Indices of vertices, counter-clockwise from outside"),
-        Field("face_part", "int16", ("m",), "", "Index of the part of each face"),
+        Field("faces", "int32", ("m", 3), "", "Indices of vertices, counter-clockwise from outside",
+              refers=Ref("vertices")),
+        Field("face_part", "int16", ("m",), "", "Index of the part of each face", refers=Ref("parts")),
         Field("seen_by", "uint16", ("n",), "", "Images that saw the vertex; 0: the model's guess"),
         Field("images", "str", ("k",), "", "Name of each image of the reference pose"),
         Field("views", "str", ("k",), "", "Name of its view; empty: found from the masks"),
@@ -79,11 +87,15 @@ MODEL = Kind(
         Field("overlaps", "float64", ("k",), "1", "Share of pixels whose part agrees", domain=WEIGHT),
         Field("part_overlaps", "float64", ("k", "p"), "1", "The same for each part; NaN where neither shows it",
               domain=Domain("0 to 1, or NaN", 0.0, nan=True)),
-        Field("bodies/*/part", "int16", (), "", "Index of the part that this closed body is", optional=True),
+        Field("bodies/*/part", "int16", (), "", "Index of the part that this closed body is", optional=True,
+              refers=Ref("parts")),
         Field("bodies/*/vertices", "float32", ("n", 3), "unit", "The part alone, closed", domain=FINITE, optional=True),
-        Field("bodies/*/faces", "int32", ("m", 3), "", "Indices of its vertices", optional=True),
-        Field("pictures/*/labels", "int16", ("h", "w"), "", "Part of each pixel + 1; 0 background", optional=True),
-        Field("pictures/*/rendered", "int16", ("h", "w"), "", "The same of the model", optional=True),
+        Field("bodies/*/faces", "int32", ("m", 3), "", "Indices of its vertices", optional=True,
+              refers=Ref("bodies/*/vertices")),
+        Field("pictures/*/labels", "int16", ("h", "w"), "", "Part of each pixel + 1; 0 background", optional=True,
+              refers=Ref("parts", none=True, base=1)),
+        Field("pictures/*/rendered", "int16", ("h", "w"), "", "The same of the model", optional=True,
+              refers=Ref("parts", none=True, base=1)),
         Field("pictures/*/picture", "uint8", ("h", "w", 3), "", "RGB", optional=True),
         Field("warnings", "str", ("q",), "", "What is odd about the masks"),
     ),

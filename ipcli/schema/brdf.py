@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ipcli.schema.fields import FINITE, WEIGHT, Domain, Field, Kind
+from ipcli.schema.fields import FINITE, WEIGHT, Domain, Field, Kind, Ref
 
 LIBRARY = Kind(
     "brdf-library",
@@ -18,8 +18,8 @@ LIBRARY = Kind(
             "R(n): entry [i, k] at n_x = -1 + 2 i / (s - 1), n_y likewise",
             domain=WEIGHT,
         ),
-        Field("chart_material", "int64", ("j",), "1", "Material of each map"),
-        Field("chart_probe", "int64", ("j",), "1", "Probe of each map"),
+        Field("chart_material", "int64", ("j",), "1", "Material of each map", refers=Ref("materials")),
+        Field("chart_probe", "int64", ("j",), "1", "Probe of each map", refers=Ref("probes")),
         Field("chart_heading", "float64", ("j",), "rad", "Turn of the probe about the vertical", domain=FINITE),
         Field("materials", "str", ("b",), "", "Names of the materials"),
         Field("is_metal", "uint8", ("b",), "1", "1: conductor"),

@@ -38,6 +38,39 @@ DISTANCE = Domain("> 0, or NaN where unknown", 0.0, closed=False, nan=True)
 WEIGHT = Domain("finite, >= 0", 0.0)
 
 
+class Ref(NamedTuple):
+    """What the values of a field refer to: whole numbers are indices of the first axis of dataset `to` (its item where
+    the name holds a "*"), from `base` on; texts are texts that stand in it.
+
+    `none`: the number before the first index, or an empty text, refers to nothing. `end`: the index after the last is
+    allowed too, as the end of a span. `also`: texts that need not stand there.
+    """
+
+    to: str
+    none: bool = False
+    base: int = 0
+    end: bool = False
+    also: tuple[str, ...] = ()
+
+    def holds(self, values: np.ndarray, target: np.ndarray) -> np.ndarray:
+        """Which values (any shape) refer to something in the target, or are allowed to refer to nothing."""
+        if values.dtype.kind == "U":
+            known = [*target.ravel().tolist(), *self.also, *([""] if self.none else [])]
+            return np.isin(values, np.array(known, np.str_))
+        wide = values.astype(np.int64)
+        return (wide >= self.base - self.none) & (wide < self.base + len(target) + self.end)
+
+    @property
+    def text(self) -> str:
+        """The rule in words."""
+        also = f", or one of {', '.join(self.also)}" if self.also else ""
+        more = [
+            *(["-1 none" if self.base == 0 else "0 none"] if self.none else []),
+            *(["or its end"] if self.end else []),
+        ]
+        return f"refers to `{self.to}`{also}" + (f" ({', '.join(more)})" if more else "")
+
+
 @dataclass(frozen=True)
 class Field:
     """One dataset. `name` may hold one "*" for the item of a collection; dtype "str" is Unicode text of any length."""
@@ -50,6 +83,7 @@ class Field:
     optional: bool = False
     domain: Domain | None = None
     choices: tuple[str, ...] = ()
+    refers: Ref | tuple[Ref, ...] | None = None  # of all values, or of each column of the last axis
 
     def match(self, name: str) -> str | None:
         """The item that `name` belongs to ("" outside a collection), or None when it is not of this field."""

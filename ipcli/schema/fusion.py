@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ipcli.schema.fields import DISTANCE, FINITE, WEIGHT, Domain, Field, Kind
+from ipcli.schema.fields import DISTANCE, FINITE, WEIGHT, Domain, Field, Kind, Ref
 
 VIEWS = Kind(
     "views",
@@ -138,7 +138,7 @@ TUNING = Kind(
         Field("values", "float64", ("s", "m", "n", "c"), "", "Measures; NaN undefined"),
         Field("automatic_lambda", "float64", ("s", "m"), "1", "Weight that is taken if none is given", domain=WEIGHT),
         Field("automatic", "float64", ("s", "m", "c"), "", "Measures at that weight"),
-        Field("measure", "str", (), "", "Column whose mean over the scenes `best` makes least"),
+        Field("measure", "str", (), "", "Column whose mean over the scenes `best` makes least", refers=Ref("columns")),
         Field("best", "float64", ("m",), "1", "Best of `lambdas` for each method", domain=WEIGHT),
     ),
 )
@@ -184,7 +184,7 @@ TRIALS = Kind(
             optional=True,
         ),
         Field("least_error", "float64", ("m", "k"), "mean error", "The same of the pixels that err least"),
-        Field("maps", "str", ("n",), "", "Method of each map kept, at the automatic lambda"),
+        Field("maps", "str", ("n",), "", "Method of each map kept, at the automatic lambda", refers=Ref("methods")),
         Field(
             "depth", "float32", ("n", "h", "w"), "unit", "Fused depth; NaN where nothing was observed", domain=DISTANCE
         ),

@@ -1,6 +1,6 @@
 """The kinds of the mocap commands (thesis chapter 5)."""
 
-from ipcli.schema.fields import FINITE, WEIGHT, Domain, Field, Kind
+from ipcli.schema.fields import FINITE, WEIGHT, Domain, Field, Kind, Ref
 
 CLIPS = Kind(
     "clips",
@@ -21,7 +21,13 @@ CLIPS = Kind(
         ),
         Field("joints", "str", ("j",), "", "Name of each joint"),
         Field(
-            "parents", "int64", ("j",), "1", "Index of the parent of each joint; -1 none", domain=Domain(">= -1", -1.0)
+            "parents",
+            "int64",
+            ("j",),
+            "1",
+            "Index of the parent of each joint; -1 none",
+            domain=Domain(">= -1", -1.0),
+            refers=Ref("joints", none=True),
         ),
         Field(
             "positions",
@@ -42,6 +48,7 @@ CLIPS = Kind(
         Field("frame_labels", "str", ("n",), "", "Action in each frame; empty where unknown", optional=True),
         Field("split_names", "str", ("s",), "", "Published splits of the data set", optional=True),
         Field("splits", "int8", ("s", "c"), "1", "1: clip to train on, 2: to test on, 0: neither", optional=True),
+        Field("notes", "str", ("o",), "", "What is odd about the files they were read from", optional=True),
     ),
 )
 
@@ -65,15 +72,29 @@ BEHAVIOURS = Kind(
             "The same; 0 beyond the features and coordinates of a group",
             domain=FINITE,
         ),
-        Field("component_action", "int64", ("m",), "1", "Action of each component of the predictive mixtures"),
-        Field("component_group", "int64", ("m",), "1", "Group of each component"),
+        Field(
+            "component_action",
+            "int64",
+            ("m",),
+            "1",
+            "Action of each component of the predictive mixtures",
+            refers=Ref("actions"),
+        ),
+        Field("component_group", "int64", ("m",), "1", "Group of each component", refers=Ref("groups")),
         Field("log_weight", "float64", ("m",), "1", "log weight within action and group"),
         Field("dof", "float64", ("m",), "1", "Degrees of freedom of the component's t density", domain=WEIGHT),
         Field("location", "float64", ("m", "y"), "1", "Its location", domain=FINITE),
         Field("chol", "float64", ("m", "y", "y"), "1", "Lower Cholesky factor of its scale", domain=FINITE),
         Field("draw", "int32", ("m",), "1", "Draw of the sampler that the component is of"),
         Field("joints", "str", ("j",), "", "Joints of the skeleton"),
-        Field("parents", "int64", ("j",), "1", "Index of the parent of each joint; -1 none"),
+        Field(
+            "parents",
+            "int64",
+            ("j",),
+            "1",
+            "Index of the parent of each joint; -1 none",
+            refers=Ref("joints", none=True),
+        ),
         Field("lengths", "float64", ("j",), "heights", "Bones of the common skeleton; NaN never seen"),
         Field(
             "group_members",
@@ -81,12 +102,20 @@ BEHAVIOURS = Kind(
             ("u", 2),
             "1",
             "Group and joint of each member of a group, from the trunk outwards",
+            refers=(Ref("groups"), Ref("joints")),
         ),
-        Field("root", "str", (), "", "Joint that positions are measured from"),
-        Field("left", "str", ("p",), "", "Joints on the left that tell, with those on the right, where the body faces"),
-        Field("right", "str", ("p",), "", "Joints on the right"),
-        Field("top", "str", (), "", "Joint that the height is measured from"),
-        Field("bottom", "str", ("b",), "", "Joints that the height is measured to"),
+        Field("root", "str", (), "", "Joint that positions are measured from", refers=Ref("joints")),
+        Field(
+            "left",
+            "str",
+            ("p",),
+            "",
+            "Joints on the left that tell, with those on the right, where the body faces",
+            refers=Ref("joints"),
+        ),
+        Field("right", "str", ("p",), "", "Joints on the right", refers=Ref("joints")),
+        Field("top", "str", (), "", "Joint that the height is measured from", refers=Ref("joints")),
+        Field("bottom", "str", ("b",), "", "Joints that the height is measured to", refers=Ref("joints")),
         Field("up", "float64", (3,), "1", "Axis of the world that points up", domain=FINITE),
         Field(
             "novelty",
@@ -113,8 +142,15 @@ BEHAVIOURS = Kind(
         ),
         Field("r_hat", "float64", ("a", "g"), "1", "Split R-hat of the number of clusters; NaN undefined"),
         Field("ess", "float64", ("a", "g"), "1", "Effective number of its draws; NaN undefined"),
-        Field("behaviour_action", "int64", ("v",), "1", "Action of each behaviour of the point partitions"),
-        Field("behaviour_group", "int64", ("v",), "1", "Its group"),
+        Field(
+            "behaviour_action",
+            "int64",
+            ("v",),
+            "1",
+            "Action of each behaviour of the point partitions",
+            refers=Ref("actions"),
+        ),
+        Field("behaviour_group", "int64", ("v",), "1", "Its group", refers=Ref("groups")),
         Field("behaviour_share", "float64", ("v",), "1", "Share of the frames of the action", domain=WEIGHT),
         Field(
             "behaviour_poses",
@@ -137,7 +173,7 @@ RECOGNITION = Kind(
         Field("times", "float64", ("q", 2), "s", "Start and end of each query in its clip", domain=FINITE),
         Field("actions", "str", ("a",), "", "Actions that the model knows"),
         Field("groups", "str", ("g",), "", "Groups of joints"),
-        Field("answers", "str", ("q",), "", "The action, or `none`"),
+        Field("answers", "str", ("q",), "", "The action, or `none`", refers=Ref("actions", also=("none",))),
         Field(
             "posterior",
             "float64",
@@ -158,13 +194,37 @@ RECOGNITION = Kind(
         ),
         Field("threshold", "float64", (), "1", "Novelty above which the answer is `none`; infinite: never"),
         Field("truth", "str", ("q",), "", "Label of each query; empty where unknown", optional=True),
-        Field("segment_clip", "str", ("s",), "", "Clip of each segment: windows of one answer in a row", optional=True),
+        Field(
+            "segment_clip",
+            "str",
+            ("s",),
+            "",
+            "Clip of each segment: windows of one answer in a row",
+            optional=True,
+            refers=Ref("clips"),
+        ),
         Field("segment_time", "float64", ("s", 2), "s", "Start and end of each segment", optional=True, domain=FINITE),
-        Field("segment_answer", "str", ("s",), "", "The action, or `none`", optional=True),
+        Field(
+            "segment_answer",
+            "str",
+            ("s",),
+            "",
+            "The action, or `none`",
+            optional=True,
+            refers=Ref("actions", also=("none",)),
+        ),
         Field(
             "segment_posterior", "float64", ("s",), "1", "Mean posterior of the answer", optional=True, domain=WEIGHT
         ),
-        Field("truth_segment_clip", "str", ("t",), "", "Clip of each segment of one label", optional=True),
+        Field(
+            "truth_segment_clip",
+            "str",
+            ("t",),
+            "",
+            "Clip of each segment of one label",
+            optional=True,
+            refers=Ref("clips"),
+        ),
         Field("truth_segment_time", "float64", ("t", 2), "s", "Its start and end", optional=True, domain=FINITE),
         Field("truth_segment_answer", "str", ("t",), "", "Its label", optional=True),
     ),
@@ -216,9 +276,9 @@ EVALUATION = Kind(
             domain=WEIGHT,
         ),
         Field("clips", "str", ("n",), "", "Each clip that was recognised, once a split"),
-        Field("clip_split", "int64", ("n",), "1", "Index of its split"),
-        Field("clip_truth", "int64", ("n",), "1", "Index of its class"),
-        Field("clip_answer", "int64", ("n",), "1", "Index of the answer"),
+        Field("clip_split", "int64", ("n",), "1", "Index of its split", refers=Ref("splits")),
+        Field("clip_truth", "int64", ("n",), "1", "Index of its class", refers=Ref("classes")),
+        Field("clip_answer", "int64", ("n",), "1", "Index of the answer", refers=Ref("classes")),
         Field("clip_posterior", "float64", ("n",), "1", "Posterior of the answer", domain=WEIGHT),
     ),
 )

@@ -1,7 +1,8 @@
 """All kinds of HDF5 artefacts by name, and what it takes to be one of a kind.
 
 A symbol in `dims` (h, w, k) must stand for one length throughout an artefact; in a field of a collection
-("views/*/depth") it is bound anew for each item. `Domain` says which values a number may take. docs/formats.md is
+("views/*/depth") it is bound anew for each item. `Ref` says where the indices or names of
+a field have to be. `Domain` says which values a number may take. docs/formats.md is
 `markdown()`.
 
 Each module of this folder with a tuple `KINDS` is a chapter; it is found by being there.
@@ -16,7 +17,7 @@ from importlib import import_module
 import numpy as np
 
 from ipcli.errors import nearest
-from ipcli.schema.fields import Field, Kind, SchemaError
+from ipcli.schema.fields import Field, Kind, Ref, SchemaError
 
 GENERAL = ("fields", "registry")  # modules of this folder that are no chapters
 
@@ -69,6 +70,22 @@ def check_arrays(kind: Kind, arrays: Mapping[str, np.ndarray]) -> None:
         _check_dtype(name, field, array)
         _check_shape(name, field, array.shape, item, bound)
         _check_values(name, field, array)
+    for name, array in arrays.items():
+        field, item = kind.field(name)
+        _check_references(name, field, item, array, arrays)
+
+
+def _check_references(name: str, field: Field, item: str, array: np.ndarray, arrays: Mapping[str, np.ndarray]) -> None:
+    """Each value refers to something that is there, in datasets that are given."""
+    if field.refers is None:
+        return
+    columns = [array] if isinstance(field.refers, Ref) else [array[..., n] for n in range(len(field.refers))]
+    refs = [field.refers] if isinstance(field.refers, Ref) else field.refers
+    for ref, values in zip(refs, columns, strict=True):
+        target = ref.to.replace("*", item)
+        if target in arrays and not (right := ref.holds(values, arrays[target])).all():
+            got = values[~right].ravel()[0]
+            raise SchemaError(f"{name}: refers to what is not in {target} (got {got!s}, {len(arrays[target])} there)")
 
 
 def _check_dtype(name: str, field: Field, array: np.ndarray) -> None:
@@ -140,6 +157,8 @@ def markdown() -> str:
 def _row(field: Field) -> str:
     rules = [field.domain.text] if field.domain else []
     rules += [f"one of {', '.join(field.choices)}"] if field.choices else []
+    refs = [field.refers] if isinstance(field.refers, Ref) else [*(field.refers or ())]
+    rules += [", ".join(ref.text for ref in refs)] if refs else []
     rules += ["optional"] if field.optional else []
     meaning = field.doc + (f" ({'; '.join(rules)})" if rules else "")
     return (

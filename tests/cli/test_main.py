@@ -229,6 +229,18 @@ def test_ctrl_c_ends_with_130():
     assert process.returncode == 130
 
 
+def test_sigterm_unwinds_and_ends_with_143():
+    code = ENDLESS.replace("    while True:", "  try:\n    while True:").replace(
+        'sys.modules["ipcli.cli.endless"]',
+        '  finally:\n    print("removed", file=sys.stderr)\nsys.modules["ipcli.cli.endless"]',
+    )
+    with run_python(code) as process:
+        process.stdout.readline()
+        process.terminate()
+        assert process.communicate()[1] == b"removed\nError: terminated\n"
+    assert process.returncode == 143
+
+
 def test_a_reader_that_goes_away_ends_the_command_without_a_word():
     with run_python(ENDLESS) as process:
         process.stdout.readline()

@@ -4,6 +4,7 @@ import io
 import json
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 
@@ -22,6 +23,36 @@ def screen(text):
     for part in text.split("\r"):
         line = part + line[len(part) :]
     return line.rstrip()
+
+
+def test_a_first_word_may_name_another_command(capsys):
+    @click.command("other")
+    @click.argument("what")
+    def other(what):
+        click.echo(f"other of {what}")
+
+    @click.command("one", cls=options.first_word(also=lambda: other))
+    @click.argument("what")
+    def one(what):
+        click.echo(f"one of {what}")
+
+    for line, told in ((["also", "x"], "other of x"), (["x"], "one of x")):
+        one.main(line, "one", standalone_mode=False)
+        assert capsys.readouterr().out.strip() == told
+    with pytest.raises(click.UsageError, match="Missing"):
+        one.main(["also"], "one", standalone_mode=False)
+
+
+def test_the_command_of_a_name_is_loaded_when_it_is_asked_for():
+    assert options.command("merge-depth")().name == "merge-depth"
+
+
+def test_facts_are_lines_below_the_name_of_the_output_or_one_object(capsys):
+    facts = {"output": "x.h5", "points": 3}
+    options.conclude(facts, Run(), with_figures=True)
+    assert capsys.readouterr().out == "x.h5\npoints: 3\n"
+    options.conclude(facts, Run(json=True), with_figures=True)
+    assert json.loads(capsys.readouterr().out) == facts
 
 
 def test_a_terminal_shows_one_bar_that_leaves_no_trace():

@@ -1,5 +1,8 @@
 """Sources are opened by the first layout that knows them or by name, and hints go to those that take them."""
 
+import os
+from pathlib import Path
+
 import pytest
 
 from ipcli.errors import FormatError, ParameterError
@@ -89,3 +92,10 @@ def test_what_nothing_knows_is_refused_with_all_that_was_looked_for(place):
 
 def test_an_unknown_format_is_answered_by_the_nearest(place):
     refused(ParameterError, lambda: opened(place, "foldre"), "'foldre'; did you mean 'folder'? Known: auto, scaled")
+
+
+@pytest.mark.parametrize("format", ["auto", "any"])
+def test_pipes_and_devices_are_refused_before_anything_waits_for_them(tmp_path, format):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", Path("/dev/zero")):
+        refused(FormatError, lambda path=path: opened(path, format), str(path), "pipe or a device")

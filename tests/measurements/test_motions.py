@@ -12,7 +12,7 @@ from ipcli.errors import FormatError, ParameterError
 from ipcli.geometry import lie
 from ipcli.geometry.skeleton import Skeleton, forward_kinematics
 from ipcli.measurements import motions
-from ipcli.measurements.motions import RIGID_TOLERANCE, Clip, Clips, check_motion
+from ipcli.measurements.motions import RIGID_TOLERANCE, Clip, Clips, Motion, check_motion, onto
 from tests.fixtures.errors import check_message
 from tests.fixtures.five_joints import GROUPS, SKELETON, moving
 from tests.fixtures.mocap_bodies import GROUPS as BODY
@@ -176,3 +176,28 @@ def test_clips_say_how_many_of_whom_and_what_they_do():
     labels = (*"abcdefg", "")
     clips = Clips(tuple(map(str, range(8))), labels, ("ann", "bob") * 3 + ("", ""), SKELETON, None, None)
     assert repr(clips) == "Clips(8 of 2 people, 5 joints; actions: a, b, c, d, e, f, ...)"
+
+
+@pytest.mark.parametrize(
+    ("rate", "guess"), [(0.03, "milliseconds, give --source-rate 30"), (1 / 30, "frames a second.*--source-rate 30")]
+)
+def test_a_rate_that_no_motion_has_names_the_likely_cause(rate, guess):
+    motion = Motion(Skeleton(("a",), (-1,)), np.ones((2, 1, 3)), rate)
+    with pytest.raises(FormatError, match=f"expected 1 to 1000 Hz.*{guess}"):
+        check_motion(motion, "x")
+
+
+@pytest.mark.parametrize("rate", [1.0, 1000.0])
+def test_rates_from_1_to_1000_are_motions(rate):
+    motion = Motion(Skeleton(("a",), (-1,)), np.ones((2, 1, 3)), rate)
+    assert check_motion(motion, "x") is motion
+
+
+def test_a_motion_is_put_onto_another_skeleton_by_names():
+    positions = np.arange(18.0).reshape(2, 3, 3)
+    motion = Motion(Skeleton(("a", "b", "c"), (-1, 0, 1)), positions, 30.0)
+    found = onto(motion, Skeleton(("c", "x", "a"), (1, -1, -1)))
+    assert found.skeleton.parents == (-1, -1, -1)
+    np.testing.assert_array_equal(found.positions[:, [0, 2]], positions[:, [2, 0]])
+    assert np.isnan(found.positions[:, 1]).all()
+    assert onto(motion, motion.skeleton) is motion

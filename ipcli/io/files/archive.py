@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import tarfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from lzma import LZMAError
 from pathlib import Path
+from tarfile import HeaderError, ReadError
 from tempfile import TemporaryDirectory
 
 from ipcli.errors import FormatError
 
+CHUNK = 1 << 20
 SUFFIXES = (".tar", ".tar.gz", ".tgz", ".tar.xz", ".txz", ".tar.bz2")
 
 
@@ -44,7 +47,9 @@ def listing(path: Path) -> tuple[str, ...]:
 def _members(path: Path, changed: int) -> tuple[str, ...]:
     """The list of a whole archive costs its decompression: once for each state of the file."""
     with _opened(path) as tar:
-        return tuple(sorted(member.name for member in tar.getmembers() if member.isfile()))
+        names = tuple(sorted(member.name for member in tar.getmembers() if member.isfile()))
+        _check_end(path, tar)
+    return names
 
 
 def unpacked(path: Path) -> Unpacked:
@@ -53,18 +58,41 @@ def unpacked(path: Path) -> Unpacked:
     """
     if not is_archive(path):
         return Unpacked(path)
+    listing(path)  # which looks at all of it
     keeper = TemporaryDirectory(prefix="ipcli-")
     with _opened(path) as tar:
         tar.extractall(keeper.name, filter="data")
     return Unpacked(Path(keeper.name), keeper)
 
 
+class Header(tarfile.TarInfo):
+    """A member of an archive. tarfile takes a damaged header, or none, for the end of the archive without a word."""
+
+    @classmethod
+    def fromtarfile(cls, tarfile: tarfile.TarFile) -> Header:
+        try:
+            return super().fromtarfile(tarfile)
+        except HeaderError as error:
+            if type(error).__name__ == "EOFHeaderError":  # the zeros of the end
+                raise
+            raise ReadError(f"neither a member nor the end at byte {tarfile.offset} ({error})") from None
+
+
+def _check_end(path: Path, tar: tarfile.TarFile) -> None:
+    """FormatError unless nothing but zeros follows the end, as where a second archive was joined to the first."""
+    assert tar.fileobj is not None
+    while block := tar.fileobj.read(CHUNK):
+        if block.strip(b"\0"):
+            fix = "Unpack them yourself, each archive by itself, and give the folder"
+            raise FormatError(path, "more follows the end of the archive: several were joined", fix=fix)
+
+
 @contextmanager
 def _opened(path: Path) -> Iterator[tarfile.TarFile]:
     """The open archive; whatever goes wrong with it becomes a FormatError of this path."""
     try:
-        with tarfile.open(path) as tar:
+        with tarfile.open(path, tarinfo=Header) as tar:
             yield tar
-    except (tarfile.TarError, EOFError, OSError, LZMAError) as error:
+    except (tarfile.TarError, EOFError, OSError, ValueError, LZMAError, zlib.error) as error:
         fix = "Check that the copy is complete, or unpack it yourself and give the folder"
         raise FormatError(path, f"not a readable archive: {' '.join(str(error).split())}", fix=fix) from None

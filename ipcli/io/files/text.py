@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,6 +12,8 @@ from ipcli.errors import FormatError, ParameterError
 from ipcli.io.files.images import read_image
 
 IMAGES = (".png", ".jpg", ".jpeg")
+ENDS = ("\x1a", "\0")  # Ctrl-Z and zeros, which DOS put after the end of a text
+MOST_DIGITS = 15  # of a whole number in a file
 
 
 def require_folder(folder: Path) -> Path:
@@ -49,15 +52,49 @@ def comment_free(path: Path) -> list[tuple[int, str]]:
 
 
 def read_text(path: Path) -> str:
-    """A UTF-8 text file; FormatError when it is absent or is not text."""
+    """A UTF-8 text file without its byte order mark; FormatError when it is absent or is not text."""
     try:
-        return path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise FormatError(path, "no such file", fix="Add it, or check the layout of the folder") from None
-    except (UnicodeDecodeError, OSError) as error:
+        return _bytes(path).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
         raise FormatError(
             path, f"not a readable text file: {error}", fix="Check the path and the encoding (UTF-8)"
         ) from None
+
+
+def read_any_text(path: Path) -> str:
+    """A text file of an old format: UTF-8, or UTF-16 where its mark says so, or Latin-1 where it is neither.
+
+    What DOS put after the end of a text (Ctrl-Z, zeros) is left out. FormatError when it is absent.
+    """
+    data = _bytes(path)
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        text = data.decode("utf-16", errors="replace")
+    else:
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            text = data.decode("latin-1")
+    bare = text.rstrip()
+    return bare.rstrip("".join(ENDS)) if bare.endswith(ENDS) else text
+
+
+def cut_number(text: str) -> bool:
+    """Whether a table of numbers ends without an end of line, so that its last number may have lost digits."""
+    return text.rstrip(" \t")[-1:] in set("0123456789.-+eE")
+
+
+def whole(word: str) -> int | None:
+    """The number from 0 that a word of ASCII digits is, None for any other and for one that no file needs."""
+    return int(word) if word.isascii() and word.isdecimal() and len(word) <= MOST_DIGITS else None
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise FormatError(path, "no such file", fix="Add it, or check the path and the layout of the folder") from None
+    except (OSError, ValueError) as error:  # a zero byte in a name is a ValueError
+        raise FormatError(path, f"cannot be read: {' '.join(str(error).split())}", fix="Check the path") from None
 
 
 def numbers(path: Path, line: int, tokens: Sequence[str], counts: Sequence[int]) -> np.ndarray:

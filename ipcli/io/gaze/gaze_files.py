@@ -32,7 +32,7 @@ def read_gaze(path: Path, size: tuple[int, int] | None = None) -> Gaze:
     path = _file(Path(path))
     if path.suffix == ".gz":
         return _in_order(_tobii(path, size))
-    columns = _columns(path)
+    columns = columns_of(path)
     for needed, convert, name in TABLES:
         if all(column in columns for column in needed):
             gaze = convert(path, columns, size)
@@ -55,7 +55,7 @@ def _file(path: Path) -> Path:
     return found[0]
 
 
-def _columns(path: Path) -> dict[str, np.ndarray]:
+def columns_of(path: Path) -> dict[str, np.ndarray]:
     """Columns by name; numbers where they are numbers, NaN where empty. Nanoseconds keep all their digits."""
     text = layout.read_text(path)
     if not text.endswith("\n"):
@@ -248,7 +248,7 @@ def on_clock(gaze: Gaze, times: np.ndarray, shift: float, path: Path) -> Gaze:
 
 def read_targets(path: Path) -> tuple[tuple[str, ...], np.ndarray]:
     """Names and places (t, 3) in metres of a table `name, x [m], y [m], z [m]`."""
-    columns = _columns(path)
+    columns = columns_of(path)
     axes = ("x [m]", "y [m]", "z [m]")
     if "name" not in columns or not all(axis in columns and columns[axis].dtype.kind == "f" for axis in axes):
         raise FormatError(path, "no table of targets", expected="name, x [m], y [m], z [m]", got=", ".join(columns))

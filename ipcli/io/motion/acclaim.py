@@ -18,10 +18,13 @@ import numpy as np
 
 from ipcli.errors import FormatError, nearest
 from ipcli.geometry.skeleton import NO_PARENT, Skeleton, forward_kinematics
+from ipcli.io.files.text import cut_number, read_any_text, whole
 from ipcli.measurements.motions import Motion, check_motion
 
 INCH = 0.0254  # metres
 CHANNELS = ("rx", "ry", "rz", "tx", "ty", "tz", "l")
+CUT = "the file ends without an end of line: its last number may be cut"
+MOST_GAPS = 100  # frames for each frame that there is
 DAMAGED = "Check that the copy is complete, or fix the line"
 Line = tuple[int, list[str]]  # number from 1, words
 
@@ -47,6 +50,7 @@ class Asf:
     parents: tuple[int, ...]
     scale: float
     degrees: bool
+    notes: tuple[str, ...] = ()
     position: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0))
 
     @cached_property
@@ -67,7 +71,8 @@ def read(amc: Path, asf: Asf | Path | None = None, *, rate: float | None = None,
     frames, values = _channels(amc, lines, skeleton)
     rotations, positions = _pose(skeleton, values, degrees, unit or skeleton.scale)
     rotations, positions = (_with_gaps(amc, frames, part) for part in (rotations, positions))
-    return check_motion(Motion(skeleton.skeleton, positions, _rate(amc, rate or stated), rotations), amc)
+    notes = (*skeleton.notes, CUT) if cut_number(read_any_text(amc)) else skeleton.notes
+    return check_motion(Motion(skeleton.skeleton, positions, _rate(amc, rate or stated), rotations, notes), amc)
 
 
 def asf_of(amc: Path) -> Path:
@@ -105,19 +110,14 @@ def read_asf(path: Path) -> Asf:
         _parents(path, sections["hierarchy"], [bone.name for bone in bones]),
         INCH / length,
         not units.get("angle", "deg").lower().startswith("rad"),
+        () if "length" in units else (f"{path.name} states no unit of length: taken as inches. If not, give --unit",),
         _triple(path, *root.get("position", (0, ["0", "0", "0"]))),
     )
 
 
 def _lines(path: Path) -> Iterator[Line]:
     """Lines with words in them, comments left out."""
-    try:
-        text = path.read_text(encoding="latin-1")
-    except FileNotFoundError:
-        raise FormatError(path, "no such file", fix="Check the path") from None
-    except OSError as error:
-        raise FormatError(path, f"cannot be read: {error.strerror}", fix="Check the path") from None
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(re.split(r"\r\n|\r|\n", read_any_text(path)), start=1):
         if words := line.partition("#")[0].split():
             yield number, words
 
@@ -239,7 +239,7 @@ def _amc_lines(path: Path, degrees: bool) -> tuple[list[Line], bool, float | Non
             degrees = keyword == ":degrees"
         elif keyword == ":samples-per-second" and len(words) > 1:
             rate = _number(path, number, words[1])
-    if not lines or not lines[0][1][0].isdigit():
+    if not lines or whole(lines[0][1][0]) is None:
         fix = "Give the AMC file of the motion; an ASF file holds the skeleton only"
         raise FormatError(
             path, "no frames, so no motion", expected="a line with the number of the first frame", fix=fix
@@ -249,7 +249,7 @@ def _amc_lines(path: Path, degrees: bool) -> tuple[list[Line], bool, float | Non
 
 def _channels(path: Path, lines: list[Line], asf: Asf) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Frame numbers (f,) and the channels (f, c) of each bone. All frames have the lines of the first, in its order."""
-    starts = [index for index, (_, words) in enumerate(lines) if len(words) == 1 and words[0].isdigit()]
+    starts = [index for index, (_, words) in enumerate(lines) if len(words) == 1 and whole(words[0]) is not None]
     per_frame = (starts[1] if len(starts) > 1 else len(lines)) - 1
     names = [words[0] for _, words in lines[1 : per_frame + 1]]
     wanted = {bone.name: len(bone.channels) for bone in asf.bones}
@@ -294,7 +294,7 @@ def _complain(path: Path, lines: list[Line], names: list[str], wanted: dict[str,
     expected = ["a frame number", *names]
     for index, (number, (name, *values)) in enumerate(lines):
         due = expected[index % len(expected)]
-        if (name != due) if index % len(expected) else not (name.isdigit() and not values):
+        if (name != due) if index % len(expected) else whole(name) is None or bool(values):
             raise FormatError(path, f"line {number}: '{name}' comes where {due} has to", fix=DAMAGED)
         if index % len(expected) and len(values) != wanted[name]:
             raise FormatError(
@@ -345,6 +345,9 @@ def _with_gaps(path: Path, frames: np.ndarray, values: np.ndarray) -> np.ndarray
         )
     if (steps == 1).all():
         return values
+    if frames[-1] - frames[0] > MOST_GAPS * len(frames):
+        got = f"{frames[0]} to {frames[-1]}"
+        raise FormatError(path, f"{len(frames)} frames with numbers far apart", got=got, fix=DAMAGED)
     spread = np.full((frames[-1] - frames[0] + 1, *values.shape[1:]), np.nan)
     spread[frames - frames[0]] = values
     return spread

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -45,8 +45,12 @@ def of_arrays(arrays: Mapping[str, np.ndarray], where: Path | str = "clips") -> 
     return Clips(names, labels, actors, skeleton, load, lambda name: (Path(where),), splits)
 
 
-def clips_arrays(clips: Iterable[Clip], splits: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The fields of a `clips` artefact that holds these clips. Rotations are kept if all of them have some."""
+def clips_arrays(
+    clips: Iterable[Clip], splits: Mapping[str, np.ndarray], notes: Sequence[str] = ()
+) -> dict[str, np.ndarray]:
+    """The fields of a `clips` artefact that holds these clips. Rotations are kept if all of them have some; `notes` are
+    what is odd about them.
+    """
     clips = list(clips)
     motions = [clip.motion for clip in clips]
     skeleton = motions[0].skeleton
@@ -69,6 +73,8 @@ def clips_arrays(clips: Iterable[Clip], splits: Mapping[str, np.ndarray]) -> dic
             for clip in clips
         )
         arrays["frame_labels"] = np.concatenate(list(whole)).astype(np.str_)
+    if notes:
+        arrays["notes"] = np.array([note.replace("\0", " ") for note in notes], np.str_)
     if splits:
         arrays |= {"split_names": np.array(list(splits), np.str_), "splits": np.array(list(splits.values()), np.int8)}
     return arrays

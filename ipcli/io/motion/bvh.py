@@ -8,6 +8,7 @@ NAME_end. A prefix "mixamorig:" is taken off.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,11 +18,18 @@ import numpy as np
 
 from ipcli.errors import FormatError, nearest
 from ipcli.geometry.skeleton import NO_PARENT, Skeleton, forward_kinematics
+from ipcli.io.files.text import cut_number, read_any_text
 from ipcli.measurements.motions import Motion, check_motion
 
 UNIT = 0.01  # metres: files do not say their unit; most are in centimetres
 CHANNELS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ")
 DAMAGED = "Check that the copy is complete, or fix the line"
+FRAME_TIME = re.compile(r"\s*frame\s*time\s*:?", re.IGNORECASE)
+FRAMES = re.compile(r"\s*frames\s*:", re.IGNORECASE)
+# a joint and all of its name, which may hold spaces; an end site and whatever it is called; a brace; a word
+WORDS = re.compile(r"(ROOT|JOINT)\s+([^{}]+)|(END)\s+SITE[^{}]*|([{}]|[^\s{}:]*:|[^\s{}:]+)", re.IGNORECASE)
+GLUED = re.compile(r"(?<=[0-9.])(?=[-+])")  # between two numbers without a space, the second with a sign
+CUT = "the file ends without an end of line: its last number may be cut"
 
 
 @dataclass
@@ -75,31 +83,39 @@ def read(path: Path, *, rate: float | None = None, unit: float | None = None) ->
     joints = _hierarchy(head)
     frames, frame_time = _heading(head)
     count = sum(len(joint.channels) for joint in joints)
+    notes = (CUT,) if body and cut_number(body[-1]) else ()
+    if body != (apart := _apart(body, frames * count)):
+        notes, body = (*notes, "numbers stand side by side without a space and were taken apart at their signs"), apart
     values = _values(path, body, first, (frames, count))
     skeleton = Skeleton(tuple(joint.name for joint in joints), tuple(joint.parent for joint in joints))
     scale = UNIT if unit is None else unit
     rotations, positions = forward_kinematics(skeleton, *_local(joints, values, scale))
-    return check_motion(Motion(skeleton, positions, rate or 1 / frame_time, rotations), path)
+    return check_motion(Motion(skeleton, positions, rate or 1 / frame_time, rotations, notes), path)
 
 
 def _parts(path: Path) -> tuple[Words, list[str], int]:
     """The words up to and with the frame time, the lines after it, and the number of the first of these."""
-    try:
-        lines = path.read_text(encoding="latin-1").splitlines()
-    except FileNotFoundError:
-        raise FormatError(path, "no such file", fix="Check the path") from None
-    except OSError as error:
-        raise FormatError(path, f"cannot be read: {error.strerror}", fix="Check the path") from None
-    end = (
-        next(
-            (index for index, line in enumerate(lines) if line.strip().lower().startswith("frame time")), len(lines) - 1
-        )
-        + 1
-    )
-    words = (
-        (number, word) for number, line in enumerate(lines[:end], start=1) for word in line.replace(":", ": ").split()
-    )
-    return Words(path, words), lines[end:], end + 1
+    lines = re.split(r"\r\n|\r|\n", read_any_text(path))
+    end = next((index for index, line in enumerate(lines) if FRAME_TIME.match(line)), len(lines) - 1) + 1
+    return Words(path, _words(lines[:end])), lines[end:], end + 1
+
+
+def _words(lines: Sequence[str]) -> Iterator[tuple[int, str]]:
+    """The words of the head with their lines; the name of a joint is one word."""
+    for number, line in enumerate(lines, start=1):
+        plain = FRAMES.sub("Frames: ", FRAME_TIME.sub("Frame Time: ", line, count=1), count=1)
+        for keyword, name, end, word in WORDS.findall(plain):
+            for found in (keyword, name.strip(), end, word):
+                if found:
+                    yield number, found
+
+
+def _apart(lines: list[str], wanted: int) -> list[str]:
+    """The lines with their numbers taken apart where that makes as many as are wanted."""
+    if sum(len(line.split()) for line in lines) >= wanted:
+        return lines
+    apart = [GLUED.sub(" ", line) for line in lines]
+    return apart if sum(len(line.split()) for line in apart) == wanted else lines
 
 
 def _hierarchy(words: Words) -> list[Joint]:
@@ -131,11 +147,14 @@ def _hierarchy(words: Words) -> list[Joint]:
 
 
 def _named(words: Words, keyword: str, joints: Sequence[Joint], parent: int) -> Joint:
-    name = words.take("the name of a joint")
     if keyword.upper() == "END":
-        return Joint(f"{joints[parent].name}_end" if parent != NO_PARENT else name, parent, line=words.line)
-    while name.endswith(":"):  # a namespace; the words were split behind its colon
-        name = words.take("the name of a joint")
+        if parent == NO_PARENT:
+            raise words.wrong("ROOT", "End Site")
+        name = f"{joints[parent].name}_end"
+        again = sum(joint.parent == parent and joint.name.startswith(name) for joint in joints)
+        return Joint(name + (str(again + 1) if again else ""), parent, line=words.line)
+    name = words.take("the name of a joint")
+    name = name.rpartition(":")[2].strip() or name  # a namespace
     if (keyword.upper() == "ROOT") != (parent == NO_PARENT):
         raise words.wrong("ROOT outermost and JOINT inside", f"{keyword} {name}")
     return Joint(name, parent, line=words.line)
@@ -172,7 +191,7 @@ def _heading(words: Words) -> tuple[int, float]:
         if (word := words.take("Frame Time:")).upper() != expected:
             raise words.wrong("Frame Time:", word)
     seconds = words.number("the frame time in seconds")
-    if not 0 < seconds < 60:
+    if not 0 < seconds < np.inf:
         raise words.wrong("a frame time in seconds above 0", f"{seconds:g}")
     return int(frames), seconds
 
@@ -180,20 +199,25 @@ def _heading(words: Words) -> tuple[int, float]:
 def _values(path: Path, lines: Sequence[str], first: int, shape: tuple[int, int]) -> np.ndarray:
     """The table of all channels, (frames, channels). A frame may take several lines."""
     words = " ".join(lines).split()
+    try:
+        table = np.array(words, dtype=np.float64)
+    except ValueError:
+        raise _not_a_number(path, lines, first) from None
     if len(words) != shape[0] * shape[1]:
         fix = "Check that the copy is complete, and that Frames: is the number of frames"
         expected = f"{shape[0]} frames of {shape[1]} numbers"
         raise FormatError(path, "wrong number of values", expected=expected, got=f"{len(words)} numbers", fix=fix)
-    try:
-        return np.array(words, dtype=np.float64).reshape(shape)
-    except ValueError:
-        for number, line in enumerate(lines, start=first):
-            for word in line.split():
-                try:
-                    float(word)
-                except ValueError:
-                    raise FormatError(path, f"line {number}: '{word}' is not a number", fix=DAMAGED) from None
-        raise
+    return table.reshape(shape)
+
+
+def _not_a_number(path: Path, lines: Sequence[str], first: int) -> FormatError:
+    for number, line in enumerate(lines, start=first):
+        for word in line.split():
+            try:
+                float(word)
+            except ValueError:
+                return FormatError(path, f"line {number}: '{word[:40]}' is not a number", fix=DAMAGED)
+    return FormatError(path, "something that is not a number", fix=DAMAGED)
 
 
 def _local(joints: Sequence[Joint], values: np.ndarray, scale: float) -> tuple[np.ndarray, np.ndarray]:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 
 from ipcli.errors import FormatError, IpcliError
 from ipcli.geometry.skeleton import NO_PARENT, Skeleton
+from ipcli.io.files.guarded import ParserFailed, guarded
+from ipcli.io.motion.names import numbered
 from ipcli.measurements.motions import Motion, check_motion
 
 PROCESSORS = {
@@ -16,6 +19,7 @@ PROCESSORS = {
     86: (">", 0),
 }  # Intel, DEC, SGI: order of bytes, and the byte of a float with its sign
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS", "REACTIONS", "MODELED_SCALARS")  # groups of labels
 COPY = "Check that the copy is complete, and that it is a C3D file"
 
 
@@ -26,34 +30,42 @@ def read(path: Path, *, rate: float | None = None, unit: float | None = None) ->
     A marker that was lost (negative residual, or exactly at 0 0 0) is NaN. Raises IpcliError without the extra,
     FormatError for a file that is damaged, has no markers, or has none with a name.
     """
-    try:
-        import ezc3d
-    except ImportError:
-        raise IpcliError(
-            f"{path}: C3D files need the package ezc3d. Install it with pip install 'ipcli[c3d]'"
-        ) from None
+    if find_spec("ezc3d") is None:
+        raise IpcliError(f"{path}: C3D files need the package ezc3d. Install it with pip install 'ipcli[c3d]'")
     if not path.is_file():
         raise FormatError(path, "no such file", fix="Check the path")
     _check_size(path)
     try:
-        content = ezc3d.c3d(str(path))
-    except Exception as error:  # ezc3d raises whatever its C++ part throws
-        raise FormatError(path, f"not readable as C3D: {' '.join(str(error).split())}", fix=COPY) from None
-    about = content["parameters"]["POINT"]
-    points = content["data"]["points"]  # (4, markers, frames)
-    labels = _labels(about)[: points.shape[1]]
-    if not labels:
+        about, points, residuals = guarded(content, str(path))
+    except ParserFailed as error:
+        raise FormatError(path, f"not readable as C3D: {error}", fix=COPY) from None
+    labels, outputs = _labels(about)[: points.shape[1]], _outputs(about)
+    kept = [index for index, label in enumerate(labels) if label not in outputs]
+    names, notes = numbered([labels[index] for index in kept])
+    if len(kept) < len(labels):
+        notes += (f"{len(labels) - len(kept)} outputs of a model (angles, forces ...) are no markers: left out",)
+    if not kept:
         raise FormatError(
             path, "no markers in it (analog channels or rotations only)", fix="Export the trajectories of the markers"
         )
-    positions = np.moveaxis(points[:3, : len(labels)], -1, 0).swapaxes(1, 2) * (
-        _unit(path, about) if unit is None else unit
-    )
-    residuals = content["data"]["meta_points"]["residuals"]  # (1, markers, frames)
-    lost = (positions == 0).all(axis=-1) | (residuals[0, : len(labels)].T < 0)
+    positions = np.moveaxis(points[:3, kept], -1, 0).swapaxes(1, 2) * (_unit(path, about) if unit is None else unit)
+    lost = (positions == 0).all(axis=-1) | (residuals[0, kept].T < 0)
     positions[lost] = np.nan
-    skeleton = Skeleton(tuple(labels), (NO_PARENT,) * len(labels))
-    return check_motion(Motion(skeleton, positions, rate or float(about["RATE"]["value"][0])), path)
+    skeleton = Skeleton(names, (NO_PARENT,) * len(names))
+    return check_motion(Motion(skeleton, positions, rate or float(about["RATE"]["value"][0]), notes=notes), path)
+
+
+def content(path: str) -> tuple[dict[str, dict[str, list]], np.ndarray, np.ndarray]:
+    """The group POINT of the parameters, points (4, markers, frames) and residuals (1, markers, frames) by ezc3d, which
+    may crash on a damaged file.
+    """
+    import ezc3d
+
+    found = ezc3d.c3d(path)
+    about = {
+        name: {"value": list(item["value"])} for name, item in found["parameters"]["POINT"].items() if "value" in item
+    }
+    return about, np.array(found["data"]["points"]), np.array(found["data"]["meta_points"]["residuals"])
 
 
 def _check_size(path: Path) -> None:
@@ -76,6 +88,12 @@ def _labels(about: dict) -> list[str]:
     blocks = ("LABELS", *(f"LABELS{index}" for index in range(2, 100)))
     names = [name.strip() for block in blocks if block in about for name in about[block]["value"]]
     return [name or f"marker{index}" for index, name in enumerate(names)]
+
+
+def _outputs(about: dict) -> set[str]:
+    """The labels of what a model computed, which has no place in the world, by the groups that list them."""
+    blocks = [group + number for group in OUTPUTS for number in ("", *map(str, range(2, 100)))]
+    return {name.strip() for block in blocks if block in about for name in about[block]["value"]}
 
 
 def _unit(path: Path, about: dict) -> float:

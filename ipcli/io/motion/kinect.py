@@ -16,7 +16,8 @@ import numpy as np
 from ipcli.errors import FormatError, nearest
 from ipcli.geometry.skeleton import Skeleton
 from ipcli.io.files.archive import is_archive, listing, unpacked
-from ipcli.io.files.text import comment_free
+from ipcli.io.files.guarded import ParserFailed, guarded
+from ipcli.io.files.text import comment_free, whole
 from ipcli.measurements.motions import TEST, TRAIN, Clip, Clips, Motion, check_motion
 
 FLORENCE_RATE = 30.0  # Hz, the sensor's; the files do not say which frames were kept
@@ -112,8 +113,15 @@ def open_utkinect(path: Path) -> Clips:
         if len(chosen) < 1:
             raise FormatError(source, f"no frame of {name}", expected=f"frames {start} to {stop}", fix=DAMAGED)
         positions = _seen(chosen[:, 1:].reshape(len(chosen), -1, 3))
-        step = float(np.median(np.diff(table[:, 0])))
-        return Clip(name, check_motion(Motion(KINECT, positions, NUMBERING_RATE / step), source), label, take[1:3])
+        step = float(np.median(np.diff(table[:, 0]))) if len(table) > 1 else 1.0
+        first, last = table[[0, -1], 0]
+        notes = (
+            (f"frames {start} to {stop} lie partly beyond the table, which has {first:g} to {last:g}: cut there",)
+            if start < first or stop > last
+            else ()
+        )
+        motion = Motion(KINECT, positions, NUMBERING_RATE / step, notes=notes)
+        return Clip(name, check_motion(motion, source), label, take[1:3])
 
     actors = tuple(cuts[name][0][1:3] for name in names)
     splits = _splits(folder.parent / "tr_te_splits.mat", [int(actor) for actor in actors])
@@ -147,7 +155,7 @@ def _cuts(path: Path) -> dict[str, tuple[str, str, int, int]]:
         words = frames.split()
         if [word.lower() for word in words] == ["nan", "nan"]:
             continue
-        if not take or len(words) != 2 or not all(word.isdigit() for word in words):
+        if not take or len(words) != 2 or any(whole(word) is None for word in words):
             raise FormatError(
                 path, f"line {line}: '{text}'", expected="a take, then lines `action: first last`", fix=DAMAGED
             )
@@ -193,20 +201,23 @@ def _splits(path: Path, subjects: Sequence[int]) -> dict[str, np.ndarray]:
 
 
 def _load(path: Path, variable: str) -> np.ndarray:
-    from scipy.io import loadmat
-
     if not path.is_file():  # scipy does not tell it from a damaged one
         raise FormatError(path, "no such file", fix="Add it to the folder")
     try:
-        content = loadmat(path)
-    except Exception as error:  # scipy raises anything on a damaged file
-        raise FormatError(path, f"not a readable MATLAB file: {' '.join(str(error).split())}", fix=DAMAGED) from None
-    if variable not in content:
-        named = [name for name in content if not name.startswith("__")]
-        raise FormatError(
-            path, f"no variable '{variable}'{nearest(variable, named)}", fix="Check that it is the right file"
-        )
-    return content[variable]
+        found: dict[str, np.ndarray] = guarded(content, str(path))
+    except ParserFailed as error:
+        raise FormatError(path, f"not a readable MATLAB file: {error}", fix=DAMAGED) from None
+    if variable not in found:
+        what = f"no variable '{variable}'{nearest(variable, found)}"
+        raise FormatError(path, what, fix="Check that it is the right file")
+    return found[variable]
+
+
+def content(path: str) -> dict[str, np.ndarray]:
+    """The variables of a MATLAB file by scipy, which may crash on a damaged one."""
+    from scipy.io import loadmat
+
+    return {name: value for name, value in loadmat(path).items() if not name.startswith("__")}
 
 
 def _texts(path: Path, variable: str) -> list[str]:

@@ -7,7 +7,6 @@ files lie in LABEL/ or LABEL/ACTOR/. Top folders train/ and test/ become a split
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -17,10 +16,9 @@ from typing import Any
 import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
-from ipcli.geometry.skeleton import Skeleton
 from ipcli.io.files.archive import Unpacked, is_archive, listing, unpacked
-from ipcli.io.files.text import read_text
-from ipcli.io.motion import acclaim, bvh, c3d, tables
+from ipcli.io.files.text import read_text, whole
+from ipcli.io.motion import acclaim, bvh, c3d, msr, tables, trc
 from ipcli.measurements.motions import TEST, TRAIN, Clip, Clips, Motion
 
 HDM05 = re.compile(r"HDM_(?P<actor>[a-zA-Z]+)_(?P<label>.+)_\d+_\d+")
@@ -32,7 +30,18 @@ READERS: dict[str, Callable[..., Motion]] = {
     ".c3d": c3d.read,
     ".npz": tables.read_npz,
     ".csv": tables.read_csv,
+    ".trc": trc.read,
+    ".txt": msr.read,
 }
+UNREAD = {".fbx": "BVH", ".glb": "BVH", ".gltf": "BVH", ".c3dx": "C3D", ".mot": "TRC", ".htr": "BVH", ".v3d": "C3D"}
+UPS = {
+    "y": np.eye(3),
+    "z": np.roll(np.eye(3), 1, axis=1),
+    "x": np.roll(np.eye(3), -1, axis=1),
+    "-y": np.diag([1.0, -1.0, -1.0]),
+    "-z": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
+    "-x": np.array([[0, 1.0, 0], [-1, 0, 0], [0, 0, 1]]),
+}  # y_up_from_file by the axis that points up in it
 TABLES_ABOUT_TABLES = ("manifest.csv", tables.SKELETON)
 
 
@@ -66,6 +75,8 @@ def is_recordings(path: Path) -> bool:
 
 
 def _is_motion(file: Path) -> bool:
+    if file.suffix.lower() == ".txt" and not msr.is_msr(file):
+        return False
     return file.suffix.lower() in READERS and file.name[0] != "." and file.name not in TABLES_ABOUT_TABLES
 
 
@@ -82,10 +93,11 @@ def open_recordings(
 
     Raises FormatError for a file that is damaged or of another skeleton than the first, ParameterError for hints.
     """
-    if up not in ("x", "y", "z"):
-        raise ParameterError(f"up axis '{up}': give x, y or z")
+    if up not in UPS:
+        raise ParameterError(f"up axis '{up}': give {', '.join(UPS)}")
     home = unpacked(path)
-    recordings = _listed(home.folder, path, manifest)
+    folder, said = _level(home.folder, manifest)
+    recordings = _listed(folder, path, manifest)
     reading = Reading(_unit(unit), source_rate, up)
     skeletons: dict[Path, acclaim.Asf] = {}
     skeleton = _read(recordings[0], reading, skeletons).skeleton
@@ -94,14 +106,13 @@ def open_recordings(
     def load(name: str, home: Unpacked = home) -> Clip:
         recording = by_name[name]
         motion = _read(recording, reading, skeletons)
-        _same(skeleton, motion.skeleton, recording.path, recordings[0].path)
         return Clip(name, _cut(motion, recording), recording.label, recording.actor)
 
     def files(name: str) -> tuple[Path, ...]:
         return (path,) if is_archive(path) else (by_name[name].path,)
 
     about = tuple(item.label for item in recordings), tuple(item.actor for item in recordings)
-    return Clips(tuple(by_name), *about, skeleton, load, files, _split(recordings))
+    return Clips(tuple(by_name), *about, skeleton, load, files, _split(recordings), said)
 
 
 def _read(recording: Recording, reading: Reading, skeletons: dict[Path, acclaim.Asf]) -> Motion:
@@ -126,7 +137,7 @@ def _upright(motion: Motion, up: str) -> Motion:
     """The world turned by whole axes so that `up` becomes y."""
     if up == "y":
         return motion
-    turn = np.roll(np.eye(3), {"z": 1, "x": -1}[up], axis=1)
+    turn = UPS[up]
     rotations = None if motion.rotations is None else turn @ motion.rotations
     return replace(motion, positions=motion.positions @ turn.T, rotations=rotations)
 
@@ -148,16 +159,6 @@ def _sized(motion: Motion, path: Path) -> Motion:
     return motion
 
 
-def _same(first: Skeleton, other: Skeleton, path: Path, first_path: Path) -> None:
-    if other == first:
-        return
-    odd = sorted(set(first.joints) ^ set(other.joints))
-    what = f"joint '{odd[0]}' is only in one of them" if odd else "the joints hang together differently"
-    raise FormatError(
-        path, f"another skeleton than {first_path.name}: {what}", fix="Import the files of each skeleton on their own"
-    )
-
-
 def _cut(motion: Motion, recording: Recording) -> Motion:
     if recording.start is None and recording.stop is None:
         return motion
@@ -166,9 +167,11 @@ def _cut(motion: Motion, recording: Recording) -> Motion:
     if not len(positions):
         got = f"{recording.start} to {recording.stop} of {len(motion.positions)}"
         raise FormatError(recording.path, "no frames between start and stop", got=got, fix="Correct the manifest")
-    return replace(
-        motion, positions=positions, rotations=None if motion.rotations is None else motion.rotations[frames]
-    )
+    notes = motion.notes
+    if recording.stop is not None and recording.stop > len(motion.positions):
+        notes += (f"stop {recording.stop} of the manifest lies beyond its {len(motion.positions)} frames: cut there",)
+    rotations = None if motion.rotations is None else motion.rotations[frames]
+    return replace(motion, positions=positions, rotations=rotations, notes=notes)
 
 
 def _unit(unit: str | None) -> float | None:
@@ -181,6 +184,50 @@ def _unit(unit: str | None) -> float | None:
     if not 0 < metres < np.inf:
         raise ParameterError(f"unit '{unit}': give one of {', '.join(UNITS)}, or metres as a number")
     return metres
+
+
+def _level(folder: Path, manifest: Path | None) -> tuple[Path, tuple[str, ...]]:
+    """The folder in which the labels begin, and what there is to say about it.
+
+    A set that lies in one more folder than it has to (as `tar cf x.tar motions/` packs it) is found there.
+    """
+    if not folder.is_dir():
+        return folder, ()
+    every = [Path(name) for name in listing(folder)]
+    odd = sorted({file.suffix.lower() for file in every} & {*UNREAD})
+    said = tuple(
+        f"{sum(file.suffix.lower() == suffix for file in every)} files of {suffix} are not read: export them as "
+        f"{UNREAD[suffix]}"
+        for suffix in odd
+    )
+    motions = [file for file in every if _is_motion(file)]
+    if manifest is not None or "manifest.csv" in map(str, every) or not motions or _named_by_themselves(motions):
+        return folder, said
+    tops = {file.parts[0] for file in motions}
+    top = next(iter(tops))
+    if len(tops) > 1 or min(len(file.parts) for file in motions) < 2 or top in ("train", "test"):
+        return folder, (*said, *_depth(motions))
+    inside = {file.parts[1] for file in motions if len(file.parts) > 2}
+    if (folder / top / "manifest.csv").is_file() or max(len(file.parts) for file in motions) > 3 or "train" in inside:
+        deeper, more = _level(folder / top, None)
+        return deeper, (*said, *more, f"everything lies in '{top}': labels were taken from the folders in it")
+    if len(inside) > 1:
+        said += (
+            f"all clips lie in '{top}', so that is their label and {', '.join(sorted(inside)[:4])} are actors. If "
+            f"those are the labels, give the folder '{top}' itself, or pack it from inside (tar -C {top} -cf x.tar .)",
+        )
+    return folder, said
+
+
+def _named_by_themselves(motions: Sequence[Path]) -> bool:
+    return all(HDM05.fullmatch(file.stem) or msr.is_msr(file) for file in motions)
+
+
+def _depth(motions: Sequence[Path]) -> tuple[str, ...]:
+    deep = [file for file in motions if len(file.parts) - (file.parts[0] in ("train", "test")) > 3]
+    if not deep:
+        return ()
+    return (f"{len(deep)} clips lie deeper than LABEL/ACTOR/ (such as {deep[0]}): the first two folders were taken",)
 
 
 def _listed(folder: Path, path: Path, manifest: Path | None) -> list[Recording]:
@@ -205,6 +252,8 @@ def _guessed(file: Path, folder: Path) -> Recording:
     split = parts[0] if parts and parts[0] in ("train", "test") else ""
     if named := HDM05.fullmatch(file.stem):
         return Recording(file.stem, file, named["label"], named["actor"], split=split)
+    if named_by_msr := msr.label_of(file.stem) if msr.is_msr(file) else None:
+        return Recording(file.stem, file, *named_by_msr, split=split)
     label, actor = (*parts[bool(split) :], "", "")[:2]
     return Recording(file.stem, file, label, actor, split=split)
 
@@ -223,24 +272,22 @@ def _uniquely_named(found: Sequence[Recording], folder: Path) -> list[Recording]
 
 
 def _of_manifest(manifest: Path, folder: Path) -> list[Recording]:
-    rows = csv.DictReader(read_text(manifest).splitlines())
+    header, *rows = tables.table_rows(manifest, read_text(manifest)) or [[]]
+    header = [column.strip().lower() for column in header]
     known = {"path", "label", "actor", "start", "stop", "name", "split"}
-    columns = {column.strip() for column in rows.fieldnames or ()}
+    columns = set(header)
     if "path" not in columns or columns - known:
-        got = ", ".join(rows.fieldnames or ("nothing",))
+        got = ", ".join(header or ("nothing",))[:80]
         expected = "path, label, actor and maybe start, stop, name, split"
         raise FormatError(manifest, "wrong columns", expected=expected, got=got, fix="See docs/motions.md")
-    return [_of_row(manifest, number, row, folder) for number, row in enumerate(rows, start=2)]
+    lines = [(number, row) for number, row in enumerate(rows, start=2) if any(cell.strip() for cell in row)]
+    return [_of_row(manifest, number, dict(zip(header, row, strict=False)), folder) for number, row in lines]
 
 
 def _of_row(manifest: Path, line: int, row: dict[str, str], folder: Path) -> Recording:
-    row = {
-        str(key).strip(): (value or "").strip()
-        for key, value in row.items()
-        if key is not None and not isinstance(value, list)
-    }
-    path = folder / row["path"]
-    if not path.is_file():
+    row = {key: value.strip() for key, value in row.items()}
+    path = _there(folder, row["path"])
+    if path is None:
         fix = "Correct the path; it is relative to the folder"
         raise FormatError(manifest, f"line {line}: no file '{row['path']}' in {folder.name}", fix=fix)
     split = row.get("split", "")
@@ -253,12 +300,21 @@ def _of_row(manifest: Path, line: int, row: dict[str, str], folder: Path) -> Rec
     return Recording(name, path, row.get("label", ""), row.get("actor", ""), start, stop, split)
 
 
+def _there(folder: Path, name: str) -> Path | None:
+    """The file of a name, or of the same with the slashes of Windows turned."""
+    try:
+        return next((folder / n for n in (name, name.replace("\\", "/")) if (folder / n).is_file()), None)
+    except (OSError, ValueError):  # a name that no file can have
+        return None
+
+
 def _frame(manifest: Path, line: int, text: str) -> int | None:
-    if text and not text.isdigit():
+    number = whole(text)
+    if text and number is None:
         raise FormatError(
             manifest, f"line {line}: '{text}' is not a frame", expected="a number from 0", fix="Correct the line"
         )
-    return int(text) if text else None
+    return number
 
 
 def _split(recordings: Sequence[Recording]) -> dict[str, np.ndarray]:

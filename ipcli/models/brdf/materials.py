@@ -26,6 +26,18 @@ class Brdf(Protocol):
 
 
 @dataclass(frozen=True)
+class Matte:
+    """Lambert's law: the same radiance to all sides."""
+
+    albedo: tuple[float, ...]  # RGB
+
+    def __call__(self, light: np.ndarray, view: np.ndarray) -> np.ndarray:
+        """See `Brdf`."""
+        above = (light[..., 2] > 0) & (view[..., 2] > 0)
+        return np.where(above, 1 / np.pi, 0.0)[..., None] * np.array(self.albedo)
+
+
+@dataclass(frozen=True)
 class Conductor:
     """Rough metal: GGX normals, Smith shadowing, exact Fresnel reflection of a conductor (Walter et al., EGSR 2007)."""
 

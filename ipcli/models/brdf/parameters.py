@@ -68,6 +68,28 @@ class LibraryLearning:
 
 
 @dataclass(frozen=True)
+class Coding:
+    """The sparse autoencoder of the patches of a material."""
+
+    units: tuple[int, ...] = (48, 16)  # of each layer
+    activation: float = option(0.1, "Mean activation that units are held to.", low=1e-3, high=0.5)
+    sparsity: float = option(0.1, "Weight of that.", low=0.0)
+    l1: float = option(1e-4, "Weight of the absolute values of the weights.", low=0.0)
+    iterations: int = option(60, "Iterations of OWL-QN a layer.", low=1)
+
+
+@dataclass(frozen=True)
+class Patches:
+    """What small patches of the picture say of their normals, given the reflectance map."""
+
+    surfaces: int = option(24, "Generated surfaces that are seen through the map.", low=4)
+    each: int = option(150, "Patches taken of each.", low=10)
+    side: int = option(5, "Side of a patch on the grid of inference, odd.", low=3, high=15, unit="px")
+    components: int = option(6, "Principal components of its brightness.", low=1)
+    balloon: float = option(6.0, "Concentration of the normals of the prior shape that they are joined with.", low=0.0)
+
+
+@dataclass(frozen=True)
 class Printing:
     """The closed relief for a printer."""
 
@@ -130,12 +152,19 @@ class Inference:
         flag="--refine",
         choices=("none", "convex"),
     )
+    use_patches: str = option(
+        "none",
+        "What small patches say of a solid's normals once its map is known: none, or prior, where they join the prior.",
+        flag="--patches",
+        choices=("none", "prior"),
+    )
     side: int = option(72, "Longest side of the object on the grid of inference.", low=16, high=400, unit="px")
     sweep_side: int = option(
         32, "Longest side on the grid where the maps of the library are compared.", low=8, high=200, unit="px"
     )
     maps: int = option(120, "Most maps of the library that are compared.", flag="--maps", low=1)
     least: float = option(0.1, "Least probability of sheet or solid for which it is worked out.", low=0.0, high=0.5)
+    patches: Patches = field(default_factory=Patches)
     solid: Solid = field(default_factory=Solid)
     sheet: Sheet = field(default_factory=Sheet)
     refinement: Refinement = field(default_factory=Refinement)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipcli.models.brdf import patches
 from ipcli.models.brdf.basrelief import bas_relief
 from ipcli.models.brdf.energy import cell_normals
 from ipcli.models.brdf.grid import inflate, normals
@@ -108,8 +109,18 @@ def _solid(picture: _Sizes, params: Inference) -> tuple[Shape, float]:
     """The relief that is asked for, and by how much the picture prefers it to the other one."""
     convex = solid(picture.fine, params.solid)
     concave = solid(picture.fine, params.solid, prior=-picture.fine.inflated)
+    if params.use_patches == "prior":
+        convex, concave = (_with_patches(picture.fine, params, shape) for shape in (convex, concave))
     first, other = (concave, convex) if _takes_concave(params.relief, convex) else (convex, concave)
     return first, (other.energy - first.energy) / max((other.energy + first.energy) / 2, 1e-12)
+
+
+def _with_patches(picture: Pictured, params: Inference, shape: Shape) -> Shape:
+    """The solid once more, with what patches say under the map that was found joined to the prior normals."""
+    prior = _sign(shape) * picture.inflated
+    said = patches.posterior(picture, shape.reflectance, shape.albedo, params.patches)
+    joined = patches.joined(cell_normals(picture.grid, prior), said, params.patches.balloon)
+    return solid(picture, params.solid, prior, shape.height, joined)
 
 
 def _refined(picture: _Sizes, params: Inference, shape: Shape) -> Shape:

@@ -54,7 +54,7 @@ def _design(features: np.ndarray, mean: np.ndarray, spread: np.ndarray) -> np.nd
     return np.concatenate([np.ones((*x.shape[:-1], 1)), x, x * x - 1], axis=-1)
 
 
-def learn(features: np.ndarray, labels: np.ndarray, ridge: float = 10.0) -> Judge:
+def learn(features: np.ndarray, labels: np.ndarray, ridge: float = 40.0) -> Judge:
     """Ridge logistic regression of labels (n,) in [0, 1] on features (n, f), by Newton's method.
 
     The ridge is heavier than cross-validation on generated scenes asks for: photographs differ from them.

@@ -82,12 +82,20 @@ def fit_harmonics(intensity: np.ndarray, normals: np.ndarray, ridge: float, widt
     return Harmonics(c)
 
 
-def solid(picture: Pictured, params: Solid, prior: np.ndarray | None = None, start: np.ndarray | None = None) -> Shape:
-    """The surface of a solid. `prior` (n,) replaces the balloon, `start` (n,) where the steps begin."""
+def solid(
+    picture: Pictured,
+    params: Solid,
+    prior: np.ndarray | None = None,
+    start: np.ndarray | None = None,
+    prior_normals: np.ndarray | None = None,
+) -> Shape:
+    """The surface of a solid. `prior` (n,) replaces the balloon, `start` (n,) where the steps begin, `prior_normals`
+    (c, 3) the normals of the prior.
+    """
     prior = picture.inflated if prior is None else prior
     height = prior if start is None else start
     labels = colours(picture, params.albedos)
-    n0 = cell_normals(picture.grid, prior)
+    n0 = cell_normals(picture.grid, prior) if prior_normals is None else prior_normals
     problem = ShadedProblem(picture.grid, picture.intensity, prior, n0, params.weights)
     omega = 0.0
     for turn in range(params.rounds + 1):

@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ipcli.geometry import lie
-from ipcli.measurements.recording import Gaze, HeadRecording
+from ipcli.measurements.recording import Frame, Gaze, HeadRecording
 from ipcli.models.gaze import gric, regard
 from ipcli.models.gaze.localise import Path
 from ipcli.models.gaze.parameters import Keyframes, Looking
+from ipcli.models.gaze.sparse_surface import sparse_surface
 from ipcli.models.gaze.surface import Matcher, Surface
-from ipcli.models.gaze.tracking import Track
+from ipcli.models.gaze.tracking import NEIGHBOURS, Track
 from ipcli.progress import Progress, silent
 
 NEARER = 0.5  # share of the nearest map point's depth up to which the dense matching still searches
@@ -55,7 +56,7 @@ def regards_of(
         rig_now = _relative(poses[k], at[samples])
         o = np.einsum("nij,nj->ni", rig_now[:, :3, :3], origins[samples]) + rig_now[:, :3, 3]
         d = np.einsum("nij,nj->ni", rig_now[:, :3, :3], directions[samples])
-        surface = matcher.surface(recording.load(int(k)), _nearest(path, path.tracks[k]), matcher.rows_of(d))
+        surface = _surface(path, path.tracks[k], recording.load(int(k)), matcher, d)
         if keep:
             keep(int(k), surface)
         world = lie.se3_inverse(poses[k])
@@ -86,6 +87,16 @@ def _relative(pose: np.ndarray, at: np.ndarray) -> np.ndarray:
     moved = np.tile(np.eye(4), (len(at), 1, 1))
     moved[known] = pose @ lie.se3_inverse(at[known])
     return moved
+
+
+def _surface(path: Path, track: Track, frame: Frame, matcher: Matcher, directions: np.ndarray) -> Surface:
+    """By dense matching or a depth camera; before a single camera by the points of the map."""
+    rows = matcher.rows_of(directions)
+    if frame.right is not None or frame.depth is not None:
+        return matcher.surface(frame, _nearest(path, track), rows)
+    around = path.scene.points_of(path.scene.covisible(track.ids, NEIGHBOURS))
+    inside = path.scene.points[around] @ track.pose[:3, :3].T + track.pose[:3, 3]
+    return sparse_surface(inside, path.rig.intrinsics[0], matcher.shape, rows)
 
 
 def _nearest(path: Path, track: Track) -> float:

@@ -12,6 +12,7 @@ from ipcli.geometry.rig import Rig
 from ipcli.measurements.recording import Camera, Frame, Gaze, HeadRecording
 from ipcli.models.gaze import attention, evaluation, fixations, localise
 from ipcli.models.gaze.features import StereoFeatures
+from ipcli.models.gaze.known_map import KnownMap
 from ipcli.models.gaze.localise import Path
 from ipcli.models.gaze.parameters import Localisation
 from ipcli.models.gaze.scene_map import NONE
@@ -51,18 +52,34 @@ class KeptPictures:
             at = np.clip(at, 0, [frame.left.shape[1] - 1, frame.left.shape[0] - 1])
             self.greys[track.position] = frame.left[at[:, 1], at[:, 0]]
 
+    def arrays(self) -> Arrays:
+        """The pictures in order."""
+        order = sorted(self.pictures)
+        return {
+            "pictures": np.stack([self.pictures[k] for k in order]),
+            "picture_frames": np.array(order, np.int64),
+        }
 
-def experiment(recording: HeadRecording, p: Localisation, seed: int, tell: Progress = silent) -> Arrays:
-    """Localise, look for points of regard, split into subsequences. NoSolution when no frame has a pose."""
+
+def experiment(
+    recording: HeadRecording, p: Localisation, seed: int, tell: Progress = silent, known: KnownMap | None = None
+) -> Arrays:
+    """Localise, look for points of regard, split into subsequences. NoSolution when no frame has a pose.
+
+    With a `known` map the world and the map are its.
+    """
     rig = localise.rig_of(recording)
     album = KeptPictures(recording, rig)
-    path = localise.localise(recording, p, seed, lambda share, what: tell(0.7 * share, what), album.look)
+    path = localise.localise(
+        recording, p, seed, lambda share, what: tell(0.7 * share, what), album.look, known.scene if known else None
+    )
     if all(track.is_lost for track in path.tracks):
         raise NoSolution(
             f"no frame could be localised; the first: {path.tracks[0].reason}. 'gaze-sfm check' tells whether the "
             "calibration suits the pictures"
         )
-    arrays = head_path(recording, path) | scene(path, album) | rig_arrays(recording.cameras)
+    seen = scene(path, album) if known is None else scene_again(path, album, known)
+    arrays = head_path(recording, path) | seen | rig_arrays(recording.cameras)
     regards = None
     if recording.gaze is not None and len(recording.gaze.times):
         regards = attention.regards_of(path, recording, p.looking, lambda share, what: tell(0.7 + 0.29 * share, what))
@@ -110,16 +127,35 @@ def scene(path: Path, album: KeptPictures) -> Arrays:
             columns = (np.full(len(seen), frame.number), np.full(len(seen), camera), number[frame.ids[seen]])
             sightings.append(np.stack(columns, axis=1))
             pixels.append(path.rig.distorted(camera, image[seen]) if len(seen) else image[seen])
-    order = sorted(album.pictures)
     return {
         "map/points": path.scene.points[used],
         "map/grey": grey,
+        "map/descriptors": path.scene.descriptors[used],
         "map/seen": np.array([len(path.scene.observers[point]) for point in used], np.int64),
         "map/sightings": np.concatenate(sightings).astype(np.int64),
         "map/pixels": np.concatenate(pixels),
-        "pictures": np.stack([album.pictures[k] for k in order]),
-        "picture_frames": np.array(order, np.int64),
-    }
+    } | album.arrays()
+
+
+def scene_again(path: Path, album: KeptPictures, known: KnownMap) -> Arrays:
+    """The map of an earlier run, as this recording sees it."""
+    sightings, pixels = [np.empty((0, 3), np.int64)], [np.empty((0, 2))]
+    for track in path.tracks:
+        for camera, image in enumerate((track.left, track.right)[: len(path.rig.models)]):
+            hit = np.isfinite(image[:, 0])
+            columns = (np.full(hit.sum(), track.number), np.full(hit.sum(), camera), track.ids[hit])
+            sightings.append(np.stack(columns, axis=1))
+            pixels.append(path.rig.distorted(camera, image[hit]) if hit.any() else image[hit])
+    rows = np.concatenate(sightings).astype(np.int64)
+    own = np.unique(rows[:, [0, 2]], axis=0)[:, 1]
+    return {
+        "map/points": known.scene.points,
+        "map/grey": known.grey,
+        "map/descriptors": known.scene.descriptors,
+        "map/seen": np.bincount(own, minlength=known.scene.count).astype(np.int64),
+        "map/sightings": rows,
+        "map/pixels": np.concatenate(pixels),
+    } | album.arrays()
 
 
 def rig_arrays(cameras: tuple[Camera, ...]) -> Arrays:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipcli import threads
 from ipcli.geometry.rig import Rig
 from ipcli.measurements.recording import Frame, HeadRecording
-from ipcli.models.gaze import adjustment, features, pose, retrieval
+from ipcli.models.gaze import adjustment, features, known_map, pose, retrieval
 from ipcli.models.gaze.adjustment import Offset
 from ipcli.models.gaze.parameters import Localisation
 from ipcli.models.gaze.scene_map import NONE, SceneMap
@@ -47,10 +48,21 @@ def rig_of(recording: HeadRecording) -> Rig:
 
 
 def localise(
-    recording: HeadRecording, p: Localisation, seed: int, tell: Progress = silent, look: Look | None = None
+    recording: HeadRecording,
+    p: Localisation,
+    seed: int,
+    tell: Progress = silent,
+    look: Look | None = None,
+    known: SceneMap | None = None,
 ) -> Path:
-    """Poses of all frames. `look` sees every frame once, with its features and its track, while it is in memory."""
+    """Poses of all frames. `look` sees every frame once, with its features and its track, while it is in memory.
+
+    In a `known` map frames are localised one after the other, and it stays as it is.
+    """
     rig = rig_of(recording)
+    if known is not None:
+        album = known_map.album_of(known, stream(seed, "gaze-sfm", "words"))
+        return _tracked(recording, Tracker(rig, album, p, seed, known), tell, look)
     path = _pass(recording, rig, p, seed, lambda share, what: tell(0.9 * share, what), look)
     if not p.global_ba or len(path.scene.frames) < 2:
         return path
@@ -68,18 +80,31 @@ def localise(
 
 
 def _pass(recording: HeadRecording, rig: Rig, p: Localisation, seed: int, tell: Progress, look: Look | None) -> Path:
-    tracker = Tracker(rig, album_of(recording, rig, p, seed), p, seed)
+    return _tracked(recording, Tracker(rig, album_of(recording, rig, p, seed), p, seed), tell, look)
+
+
+def _tracked(recording: HeadRecording, tracker: Tracker, tell: Progress, look: Look | None) -> Path:
+    rig, p = tracker.rig, tracker.p
     count = len(recording.names)
     online = np.full((count, 4, 4), np.nan)
-    for k in range(count):
-        frame = recording.load(k)
-        found = features.extract(frame.left, frame.right, frame.depth, rig, p.detection)
+    for k, (frame, found) in enumerate(_features(recording, rig, p)):
         track = tracker.add(k, found)
         online[k] = track.pose
         if look:
             look(k, frame, found, track)
         tell((k + 1) / count, f"frame {recording.names[k]}: {track.how}")
     return Path(rig, tracker.tracks, tracker.scene, online, None, False)
+
+
+def _features(recording: HeadRecording, rig: Rig, p: Localisation) -> Iterator[tuple[Frame, features.StereoFeatures]]:
+    """Frames with their features; with more than one thread the next one's are found while this one is localised."""
+
+    def one(k: int) -> tuple[Frame, features.StereoFeatures]:
+        frame = recording.load(k)
+        return frame, features.extract(frame.left, frame.right, frame.depth, rig, p.detection)
+
+    numbers = range(len(recording.names))
+    return threads.ahead(one, numbers)
 
 
 def album_of(recording: HeadRecording, rig: Rig, p: Localisation, seed: int) -> retrieval.Album:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ipcli.geometry import lie
 from ipcli.geometry.rig import Rig
+from ipcli.kernels import consensus
 from ipcli.models.gaze.parameters import Tracking
 
 CHUNK = 32  # samples between two looks at how many more are needed
@@ -66,22 +67,26 @@ def stereo_error(errors: np.ndarray) -> np.ndarray:
 def ransac(rig: Rig, seen: Sightings, p: Tracking, rng: np.random.Generator) -> np.ndarray | None:
     """The hypothesis (4, 4) with the best truncated error (3.3) over both cameras (MSAC); None without any."""
     count, size = len(seen.points), 3 if p.pose == "p3p" else FIORE
-    solve: Callable = _p3p if p.pose == "p3p" else fiore
+    solve: Callable = _p3p if p.pose == "p3p" else _fiore
     if count < max(size + 1, 4):
         return None
     rays = rig.rays(0, seen.left)
+    cameras = len(rig.models)
+    pixels = np.stack([seen.left, seen.right][:cameras])
     best, best_cost, needed, tried = None, np.inf, p.samples, 0
     while tried < needed:
         tried += CHUNK
         samples = [rng.choice(count, size, replace=False) for _ in range(CHUNK)]
-        poses = [pose for sample in samples for pose in solve(seen.points[sample], rays[sample])]
-        for pose in poses:
-            errors = stereo_error(residuals(rig, pose, seen))
-            cost = np.minimum(errors, p.error**2).sum()
-            if cost < best_cost:
-                best, best_cost = pose, cost
-                share = float((errors < p.error**2).mean())
-                needed = min(p.samples, _needed(share, size))
+        poses = solve(seen.points, rays, samples)
+        if not len(poses):
+            continue
+        costs, fitting = consensus.msac(
+            poses, rig.cam_from_rig, rig.flat_intrinsics(), seen.points, pixels, p.error**2
+        )  # fmt: skip
+        first = int(costs.argmin())
+        if costs[first] < best_cost:
+            best, best_cost = poses[first], float(costs[first])
+            needed = min(p.samples, _needed(float(fitting[first]) / count, size))
     return best
 
 
@@ -91,20 +96,31 @@ def _needed(share: float, size: int) -> int:
     return int(np.ceil(np.log(1 - CONFIDENCE) / np.log(1 - good)))
 
 
-def _p3p(points: np.ndarray, rays: np.ndarray) -> list[np.ndarray]:
+def _p3p(points: np.ndarray, rays: np.ndarray, samples: list[np.ndarray]) -> np.ndarray:
+    """Poses (m, 4, 4) of all samples of three."""
     import cv2
 
-    try:
-        _, turns, moves = cv2.solveP3P(points, rays[:, None, :2].copy(), np.eye(3), None, cv2.SOLVEPNP_AP3P)
-    except cv2.error:
-        return []
-    found = []
-    for turn, move in zip(turns, moves, strict=True):
-        pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = lie.exp(turn.ravel()), move.ravel()
-        if np.isfinite(pose).all():
-            found.append(pose)
-    return found
+    turns: list[np.ndarray] = []
+    moves: list[np.ndarray] = []
+    for sample in samples:
+        try:
+            _, turn, move = cv2.solveP3P(
+                points[sample], rays[sample, None, :2].copy(), np.eye(3), None, cv2.SOLVEPNP_AP3P
+            )
+        except cv2.error:
+            continue
+        turns += turn
+        moves += move
+    poses = np.tile(np.eye(4), (len(turns), 1, 1))
+    if turns:
+        poses[:, :3, :3] = lie.exp(np.array(turns).reshape(-1, 3))
+        poses[:, :3, 3] = np.array(moves).reshape(-1, 3)
+    return poses[np.isfinite(poses).all(axis=(1, 2))]
+
+
+def _fiore(points: np.ndarray, rays: np.ndarray, samples: list[np.ndarray]) -> np.ndarray:
+    """Poses (m, 4, 4) of all samples of six."""
+    return np.array([found for sample in samples for found in fiore(points[sample], rays[sample])]).reshape(-1, 4, 4)
 
 
 def fiore(points: np.ndarray, rays: np.ndarray) -> list[np.ndarray]:

@@ -14,11 +14,15 @@ from ipcli.geometry import lie
 from ipcli.geometry.rig import Rig
 from ipcli.measurements.recording import Gaze
 from ipcli.models.gaze.parameters import Looking
+from ipcli.models.gaze.patch import Plane
 from ipcli.models.gaze.surface import Surface
 
 RINGS = np.array([1 / 6, 3 / 6, 5 / 6])  # quantiles of the distance from the middle of a Gaussian in the plane
 SPOKES = 8
 AGREE = 0.08  # relative difference of depth within which neighbours are of one surface
+WINDOW = 2.0  # half the patch that is aligned to the pictures, in sigmas of the gaze
+NARROWEST, WIDEST = 7.0, 20.0  # pixels of it
+LOCKED = 0.15  # of the error of a dense disparity: what interpolation leaves of it in one that is aligned
 LEAST = 0.4  # share of the neighbourhood that must have depth
 HIT, NO_DEPTH, LOST, INVALID, OUTSIDE, FAR = "hit", "no depth", "lost", "invalid", "outside", "far"
 OUTCOMES = (HIT, NO_DEPTH, LOST, INVALID, OUTSIDE, FAR)
@@ -56,35 +60,46 @@ def cone(direction: np.ndarray, sigma: float) -> np.ndarray:
 def look(surface: Surface, origin: np.ndarray, direction: np.ndarray, p: Looking) -> Regard:
     """Where a ray (of the rig's frame) meets the surface.
 
-    The depth is the median of those around the ray that agree with most; the spread of all of them stays in the
-    covariance, so that at the rim of an object the region holds both surfaces.
+    Depths around the ray that agree with most are taken for a plane. The gaze's error is carried over that plane, and
+    over other surfaces as they are: at the rim of an object the region holds both. Along the ray the error is the
+    plane's, not a pixel's: from the pictures' noise where the plane could be aligned to them, else `disparity_sigma`.
     """
     rays = cone(direction, np.radians(p.sigma))
     inverse = surface.meet(np.broadcast_to(origin, rays.shape), rays)
     known = np.isfinite(inverse)
     if known.mean() < LEAST:
         return Regard(np.full(3, np.nan), np.full((3, 3), np.nan), NO_DEPTH)
-    forward = surface.rectified_from_rig[2]
-    along = rays @ forward
-    lengths = (1 / inverse - origin @ forward) / along  # along each ray
+    turn = surface.rectified_from_rig
+    o, d = turn @ origin, rays @ turn.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        points = o + ((1 / inverse - o[2]) / d[:, 2])[:, None] * d  # in the rectified frame
     middle = float(np.median(inverse[known]))
     agree = known & (np.abs(inverse / middle - 1) < AGREE)
-    own = _plane(rays[agree], inverse[agree], rays[0])
-    length = (1 / own - origin @ forward) / along[0]
+    plane = _plane(surface, points[agree], p)
+    length = float((1 - plane.normal @ o) / (plane.normal @ d[0]))
     if not 0 < length < p.farthest:
         return Regard(np.full(3, np.nan), np.full((3, 3), np.nan), FAR)
-    point = origin + length * rays[0]
-    points = origin + lengths[known, None] * rays[known]
-    off = points - point
-    depth_sigma = surface.sigma / own**2 / along[0]
-    covariance = off.T @ off / known.sum() + depth_sigma**2 * np.outer(rays[0], rays[0])
-    return Regard(point, covariance, HIT)
+    point = o + length * d[0]
+    flat = o + ((1 - plane.normal @ o) / (d @ plane.normal))[:, None] * d
+    off = np.where(agree[:, None], flat, points)[known] - point
+    by_plane = point / (plane.normal @ d[0])  # derivative of the length by the normal, without its sign
+    depth_variance = float(by_plane @ plane.covariance @ by_plane)
+    covariance = off.T @ off / known.sum() + depth_variance * np.outer(d[0], d[0])
+    return Regard(turn.T @ point, turn.T @ covariance @ turn, HIT)
 
 
-def _plane(rays: np.ndarray, inverse: np.ndarray, ray: np.ndarray) -> float:
-    """Inverse depth of a ray under the plane through some others (inverse depth is linear in directions on a plane)."""
-    fit, *_ = np.linalg.lstsq(rays, inverse, rcond=1e-6)
-    return float(np.clip(ray @ fit, inverse.min(), inverse.max()))
+def _plane(surface: Surface, points: np.ndarray, p: Looking) -> Plane:
+    """The plane n . X = 1 through points (n, 3) of the rectified frame, where possible aligned to the pictures."""
+    ideal = points / points[:, 2:]
+    inverse = 1 / points[:, 2]
+    normal, *_ = np.linalg.lstsq(ideal, inverse, rcond=1e-6)
+    middle = ideal.mean(axis=0)
+    reach = max(WINDOW * np.radians(p.sigma) * surface.intrinsics[0, 0], NARROWEST)
+    found = surface.plane_around(middle, min(reach, WIDEST), normal, AGREE)
+    one = middle / (middle @ middle)  # its product with the middle is 1: all inverse depths there are off alike
+    if found is None:
+        return Plane(normal, surface.sigma**2 * np.outer(one, one))
+    return Plane(found.normal, found.covariance + (LOCKED * surface.sigma) ** 2 * np.outer(one, one))
 
 
 def in_world(regard: Regard, rig_from_world: np.ndarray, pose_covariance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

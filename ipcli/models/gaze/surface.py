@@ -10,6 +10,7 @@ import numpy as np
 from ipcli.geometry import lens, stereo
 from ipcli.geometry.rig import Rig
 from ipcli.measurements.recording import Frame
+from ipcli.models.gaze import patch
 
 MARGIN = 48  # rows above and below the gaze that are matched
 WIDEST_SEARCH = 256  # pixels
@@ -25,6 +26,8 @@ class Surface:
     intrinsics: np.ndarray  # (3, 3)
     rectified_from_rig: np.ndarray  # (3, 3)
     sigma: float  # of an inverse depth, 1 / metres
+    pair: tuple[np.ndarray, np.ndarray] | None = None  # (h, w) uint8 each: what was matched
+    base: float = np.nan  # pixels * metres: disparity = base * inverse depth
 
     def meet(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """Inverse depths (n,) along z where rays of the rig's frame first go through the surface; NaN without.
@@ -50,6 +53,24 @@ class Surface:
         hit = crossed.any(axis=1)
         rows = np.arange(len(o))
         return np.where(hit, seen[rows, first], np.nan)
+
+    def plane_around(self, ideal: np.ndarray, reach: float, start: np.ndarray, agree: float) -> patch.Plane | None:
+        """The plane (n . X = 1, rectified frame) around normalised coordinates (3,), aligned to the pictures.
+
+        `reach`: half the patch, pixels. Only pixels whose depth is within `agree` of the plane `start` belong to it.
+        """
+        if self.pair is None:
+            return None
+        u, v = np.rint(lens.pixels_of(ideal[:2], self.intrinsics)).astype(int) - [0, self.top]
+        half = int(np.ceil(reach))
+        rows = np.arange(max(v - half, 0), min(v + half + 1, self.inverse.shape[0]))
+        columns = np.arange(max(u - half, 0), min(u + half + 1, self.inverse.shape[1]))
+        pixels = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+        flat = lens.normalised_of(pixels + np.array([0.0, self.top]), self.intrinsics)
+        rays = np.concatenate([flat, np.ones((len(flat), 1))], axis=1)
+        known = self.inverse[pixels[:, 1], pixels[:, 0]]
+        mine = np.abs(known / np.where(rays @ start > 0, rays @ start, np.nan) - 1) < agree
+        return patch.align(*self.pair, rays[mine], pixels[mine], self.base, start)
 
     def _at(self, ideal: np.ndarray) -> np.ndarray:
         """Inverse depth at normalised coordinates (..., 3) with z = 1; NaN outside."""
@@ -111,14 +132,16 @@ class Matcher:
         import cv2
 
         top, bottom = rows or (0, self.shape[0])
-        images = [
+        left, right = (
             cv2.remap(image, u[top:bottom], v[top:bottom], cv2.INTER_LINEAR)
             for image, (u, v) in zip((frame.left, frame.right), self.maps, strict=True)
-        ]
+        )
         base = self.rig.focal * self.rig.baseline
         search = int(np.clip(16 * np.ceil((base / nearest + 8) / 16), 32, WIDEST_SEARCH))
-        disparity, _ = stereo.semi_global(images[0], images[1], disparities=search, mode="sgbm", consistency=1.0)
-        return Surface(disparity / base, top, self.intrinsics, self.rig.rectifying()[0], self.sigma / base)
+        disparity, _ = stereo.semi_global(left, right, disparities=search, mode="sgbm", consistency=1.0)
+        return Surface(
+            disparity / base, top, self.intrinsics, self.rig.rectifying()[0], self.sigma / base, (left, right), base
+        )
 
     def _measured(self, frame: Frame) -> Surface:
         """Of a depth camera: what it measured, or nothing."""

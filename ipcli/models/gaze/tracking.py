@@ -52,11 +52,11 @@ class Track:
 class Tracker:
     """Feed it frames in order. State: the map, the album of past frames, and the last poses."""
 
-    def __init__(self, rig: Rig, album: Album, p: Localisation, seed: int):
+    def __init__(self, rig: Rig, album: Album, p: Localisation, seed: int, known: SceneMap | None = None):
         self.rig, self.album, self.p, self.seed = rig, album, p, seed
-        self.scene = SceneMap()
+        self.scene = SceneMap() if known is None else known
         self.tracks: list[Track] = []
-        self.keep_map = False  # localise only: the map is somebody else's
+        self.keep_map = known is not None  # localise only: the map is somebody else's
 
     def add(self, number: int, features: StereoFeatures) -> Track:
         """Localise a frame, add it to the map where it brings something new."""
@@ -186,14 +186,16 @@ def _described(features: StereoFeatures, descriptors: np.ndarray, around: np.nda
     if not len(around) or not len(features):
         return np.empty(0, int), np.empty(0, int)
     a, b = descriptors.astype(np.float32), features.descriptors.astype(np.float32)
-    distances = np.square(a).sum(axis=1)[:, None] + np.square(b).sum(axis=1) - 2 * (a @ b.T)
+    own, other = np.square(a).sum(axis=1), np.square(b).sum(axis=1)
+    distances = other - 2 * (a @ b.T)  # of the first set's own length, which no comparison along a row needs
     best = distances.argmin(axis=1)
     rows = np.arange(len(a))
-    least = distances[rows, best]
-    back = distances.argmin(axis=0)
+    least = distances[rows, best] + own
     distances[rows, best] = np.inf
-    second = distances.min(axis=1) if distances.shape[1] > 1 else np.full(len(a), np.inf)
-    good = (least <= WORST) & (least < 0.85**2 * second) & (back[best] == rows)
+    second = distances.min(axis=1) + own if distances.shape[1] > 1 else np.full(len(a), np.inf)
+    good = np.flatnonzero((least <= WORST) & (least < 0.85**2 * second))
+    back = (own[:, None] - 2 * (a @ b[best[good]].T)).argmin(axis=0)  # of those that are left alone
+    good = good[back == good]
     return best[good], around[good]
 
 

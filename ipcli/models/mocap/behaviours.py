@@ -86,6 +86,11 @@ def fit_projections(
     for group, x in features.items():
         seen = np.isfinite(x).all(axis=1) & (actions >= 0)
         if not seen.any():
+            if group == MOTION:
+                raise ParameterError(
+                    "how the parts move is seen in no frame: no clip shows the whole body in two frames (a clip of one "
+                    "frame does not move). Give longer clips, or learn poses alone with --motion 0"
+                )
             raise ParameterError(
                 f"group '{group}' is seen whole in no frame. Leave its missing joints out of the groups file"
             )

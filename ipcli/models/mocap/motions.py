@@ -14,6 +14,8 @@ from ipcli.measurements.names import position
 from ipcli.models.mocap import features
 from ipcli.models.mocap.parameters import Features
 
+NONE = "none"  # the answer for what is none of the actions
+
 
 @dataclass(frozen=True, eq=False)
 class Motions:
@@ -94,6 +96,11 @@ def select(motions: Motions, actors: Sequence[str], actions: Sequence[str]) -> M
     motions = of_people(motions, actors)
     labels = tuple(sorted({*map(str, motions.labels)} - {""}))
     wanted = {labels[position(labels, name, "action")] for name in actions} or {*labels}
+    if NONE in wanted:
+        raise ParameterError(
+            f"an action is named '{NONE}', which is the answer for whatever was never learnt. Rename it, or leave it "
+            "out (name the others with --actions)"
+        )
     if not wanted:
         raise ParameterError(
             "none of the clips has a label to learn. Name them by a manifest (ipcli import-clips --manifest) or by "

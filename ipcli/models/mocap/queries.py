@@ -9,13 +9,12 @@ import numpy as np
 
 from ipcli.models.mocap import recognition
 from ipcli.models.mocap.behaviours import Model
-from ipcli.models.mocap.motions import Motions
+from ipcli.models.mocap.motions import NONE, Motions
 from ipcli.models.mocap.parameters import Decision
 from ipcli.models.mocap.recognition import Answer
 from ipcli.rng import stream
 
 STAGE = "mocap-classify"  # names the random streams
-NONE = "none"
 
 
 class Queries(NamedTuple):

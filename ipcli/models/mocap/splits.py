@@ -53,6 +53,11 @@ def make(
     """
     if kind not in KINDS:
         raise ParameterError(f"unknown split '{kind}'{nearest(kind, KINDS)} Known: {', '.join(KINDS)}")
+    if kind in ("subjects", "leave-one-out", "one-to-rest") and not (frames.actor != "").any():
+        raise ParameterError(
+            f"the clips do not say who moves, and split '{kind}' parts people. Name them by folders LABEL/ACTOR/ or by "
+            "a manifest, or give --split clips"
+        )
     found = {
         "frames": lambda: [random_frames(frames, rng)],
         "clips": lambda: [random_clips(frames, rng)],

@@ -20,13 +20,14 @@ from ipcli.report.kit.provenance import origin
 
 ROWS = 60  # of a table: more are summed up
 HIT = "hit"
+MOST_AREAS = 12  # whose ways to each other still make a table
 
 
 def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = pictures.WIDEST) -> str:
     """The HTML of an experiment, the same bytes for the same artefact; no picture is stored wider than `widest`."""
     a = arrays
     parts = [notice(str(text)) for text in a["notes"]]
-    parts += [_sides(a), *_accuracy(a), _frames(a, widest), _panorama(a, widest)]
+    parts += [_sides(a), *_accuracy(a), *_areas(a), *_landmarks(a), _frames(a, widest), _panorama(a, widest)]
     parts += [_curves(a), _subsequences(a), _tracking(a), _calibration(a), *_lost(a), _reading(a), origin(provenance)]
     return document("Where the wearer was, and what they looked at", "ipcli gaze-sfm", _verdict(a), *parts)
 
@@ -73,6 +74,40 @@ def _accuracy(a: Mapping[str, np.ndarray]) -> list[Markup]:
         parts.append(table(head, rows))
     lead = "Errors where the truth is known. The regions are honest when they hold the truth as often as they say."
     return [section("Accuracy", *parts, lead=lead)] if parts else []
+
+
+def _areas(a: Mapping[str, np.ndarray]) -> list[Markup]:
+    """Time on each area of interest, and the ways between them."""
+    if "aoi/names" not in a:
+        return []
+    names = a["aoi/names"].tolist()
+    rows = [
+        [name, number(float(dwell)), percent(float(share)), f"{visits}", f"{fixations}",
+         number(float(first)) if np.isfinite(first) else "never"]
+        for name, dwell, share, visits, fixations, first in zip(
+            names, a["aoi/dwell"], a["aoi/share"], a["aoi/visits"], a["aoi/fixations"], a["aoi/first"], strict=True
+        )
+    ]  # fmt: skip
+    head = ["area", "time on it, s", "of the known gaze", "visits", "fixations", "first look, s"]
+    ways = [[name, *map(str, moves)] for name, moves in zip(names, a["aoi/transitions"].tolist(), strict=True)]
+    parts = [table(head, rows[:ROWS])]
+    if 1 < len(names) <= MOST_AREAS:
+        parts.append(table(["from, to", *names], ways))
+    lead = "A point of regard counts for the nearest area within the margin. The second table counts the ways between."
+    return [section("Areas of interest", *parts, lead=lead)]
+
+
+def _landmarks(a: Mapping[str, np.ndarray]) -> list[Markup]:
+    """How well the landmarks fit that the world was laid on."""
+    if "landmarks/names" not in a:
+        return []
+    off = np.linalg.norm(a["landmarks/found"] - a["landmarks/places"], axis=1)
+    rows = [
+        [name, number(float(rest)) if np.isfinite(rest) else "not seen"]
+        for name, rest in zip(a["landmarks/names"].tolist(), off, strict=True)
+    ]
+    lead = f"The world is that of these landmarks; the run was scaled by {number(float(a['landmarks/scale']), 5)}."
+    return [section("World", table(["landmark", "off by, m"], rows), lead=lead)]
 
 
 def _frames(a: Mapping[str, np.ndarray], widest: int) -> Markup:

@@ -46,9 +46,22 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
         return f"{told} Of the time that has a label, {percent(right)} was named right and {percent(unnamed)} none."
     if "truth" not in arrays:
         return told
-    known = arrays["truth"] != ""
-    right = float((answers == arrays["truth"])[known].mean()) if known.any() else float("nan")
-    return f"{told} {percent(right)} of the {int(known.sum())} whose label is known were named right."
+    return " ".join([told, *_scores(arrays)])
+
+
+def _scores(arrays: Mapping[str, np.ndarray]) -> list[str]:
+    """How many answers were right: of labels that the model learnt, and apart from them of others, where none is."""
+    answers, truth = arrays["answers"], arrays["truth"]
+    learnt = np.isin(truth, arrays["actions"])
+    strange = (truth != "") & ~learnt
+    told = []
+    if learnt.any() or not strange.any():
+        right = float((answers == truth)[learnt].mean()) if learnt.any() else float("nan")
+        told.append(f"{percent(right)} of the {int(learnt.sum())} whose label the model learnt were named right.")
+    if strange.any():
+        right = float((answers[strange] == "none").mean())
+        told.append(f"{percent(right)} of the {int(strange.sum())} of labels that it never learnt were told as none.")
+    return told
 
 
 def shares_of_time(arrays: Mapping[str, np.ndarray]) -> tuple[float, float]:
@@ -104,6 +117,8 @@ def _confusions(arrays: Mapping[str, np.ndarray]) -> Markup:
         counts[kept], [name for name, keep in zip(rows, kept, strict=True) if keep], columns, "Answers"
     )
     lead = "Rows are the labels of the clips, columns the answers, in percent of the row."
+    if strange := [name for name in rows if name not in actions]:
+        lead += f" The model never learnt {', '.join(strange)}: none is right there."
     return section("Confusions", element("div", drawn, class_="beside"), lead=lead)
 
 
@@ -118,11 +133,11 @@ def _answers(arrays: Mapping[str, np.ndarray]) -> Markup:
         best = meter(float(posterior[n, order[0]]), percent(float(posterior[n, order[0]])))
         second = f"{actions[order[1]]} {percent(float(posterior[n, order[1]]))}" if len(order) > 1 else ""
         truth = [str(arrays["truth"][n])] if labelled else []
-        rows.append(
-            (_query(arrays, n), *truth, str(arrays["answers"][n]), best, second, number(float(arrays["novelty"][n])))
-        )
-        if labelled and truth[0] and truth[0] != arrays["answers"][n]:
-            warn[n] = "not the label that it has"
+        answer, first = str(arrays["answers"][n]), str(actions[order[0]])
+        named = join(answer, element("span", f"most like {first}", class_="aside")) if answer == "none" else answer
+        rows.append((_query(arrays, n), *truth, named, best, second, number(float(arrays["novelty"][n]))))
+        if labelled and truth[0] and str(arrays["answers"][n]) != (truth[0] if truth[0] in actions else "none"):
+            warn[n] = "not the label that it has" if truth[0] in actions else "of an action that was never learnt"
     more = (
         f" The first {MOST_ROWS} of {len(posterior)}; the CSV file or ipcli info has all."
         if len(posterior) > MOST_ROWS
@@ -131,7 +146,8 @@ def _answers(arrays: Mapping[str, np.ndarray]) -> Markup:
     columns = ("Query", *(("Label",) if labelled else ()), "Answer", "Posterior", "Next", "Novelty")
     limit = float(arrays["threshold"])
     above = f"; above {number(limit)} the answer is none" if np.isfinite(limit) else ""
-    lead = f"Novelty is the typical distance of the frames from all that was learnt of the answer{above}.{more}"
+    lead = "The posterior is that of the action most like it, as if one of them it must be. "
+    lead += f"Novelty is the typical distance of the frames from all that was learnt of the answer{above}.{more}"
     return section("Answers", table(columns, rows, warn=warn), lead=lead)
 
 

@@ -32,7 +32,8 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     if not clips.names:
         nothing = notice("there is nothing to show.")
         return document("Clips of motion", "ipcli clips", "The artefact holds no clip.", nothing, origin(provenance))
-    parts = (_sheet(clips, _groups(clips)), _who(clips, arrays["frames"]), _splits(clips))
+    said = [notice(f"{note}.") for note in map(str, arrays.get("notes", ()))]
+    parts = (*said, _sheet(clips, _groups(clips)), _who(clips, arrays["frames"]), _splits(clips))
     return document("Clips of motion", "ipcli clips", _verdict(clips, arrays), *parts, origin(provenance))
 
 

@@ -17,27 +17,37 @@ from ipcli.params import Run
 from ipcli.progress import Progress, silent
 from ipcli.stages.brdf.materials import Listed, brdf, is_metal, read
 from ipcli.stages.brdf.parameters import BrdfTrain
-from ipcli.stages.kit.artefact import Job, Outcome, make
+from ipcli.stages.kit.artefact import Job, Outcome, make_resumable
+from ipcli.stages.kit.checkpoint import Checkpoint
 from ipcli.stages.kit.pages import page
 
 
 def run(source: Path, output: Path, params: BrdfTrain, run: Run, progress: Progress = silent) -> Outcome:
-    """Write the library and beside it a page (.html)."""
+    """Write the library and beside it a page (.html). A run that was killed goes on with the materials and lessons
+    that are left, to the same bytes.
+    """
     listed = read(source)
     job = Job(output, "brdf-library", "brdf-train", params, listed.inputs(source), page(output, "brdf-library"))
-    return make(job, lambda: library(listed, params, run, progress), run)
+    return make_resumable(job, lambda work: library(listed, params, run, work, progress), run)
 
 
-def library(listed: Listed, params: BrdfTrain, run: Run, progress: Progress) -> dict[str, np.ndarray]:
+def library(listed: Listed, params: BrdfTrain, run: Run, work: Checkpoint, progress: Progress) -> dict[str, np.ndarray]:
     """The arrays of the `brdf-library` artefact; the maps of each material are one item of the executor."""
     names = list(listed.materials)
-    one = partial(maps_of, listed=listed, params=params, seed=run.seed)
+    one = partial(maps_of, listed=listed, params=params, seed=run.seed, work=work)
     made = map_items(one, names, run.executor, lambda share, what: progress(0.3 * share, what))
     metals = np.array([is_metal(entry) for entry in listed.materials.values()])
     seen = np.concatenate([made[name] for name in names])
     known = lights_of(listed, params, run.seed)
     return training.learn(
-        seen, names, metals, known, params.learning, run.seed, lambda s, what: progress(0.3 + 0.7 * s, what)
+        seen,
+        names,
+        metals,
+        known,
+        params.learning,
+        run.seed,
+        lambda s, what: progress(0.3 + 0.7 * s, what),
+        lambda name, build: kept(work, name, build),
     )
 
 
@@ -46,7 +56,20 @@ def lights_of(listed: Listed, params: BrdfTrain, seed: int) -> training.Lights:
     return training.lights({name: probes.read(path) for name, path in listed.probes.items()}, params.learning, seed)
 
 
-def maps_of(name: str, *, listed: Listed, params: BrdfTrain, seed: int) -> np.ndarray:
-    """Charts (k, s, s, 3) of one material under all lights."""
-    known = lights_of(listed, params, seed)
-    return np.maximum(charts(brdf(listed.materials[name]), known.lights), 0).astype(np.float32)
+def maps_of(name: str, *, listed: Listed, params: BrdfTrain, seed: int, work: Checkpoint) -> np.ndarray:
+    """Charts (k, s, s, 3) of one material under all lights, those of a killed run if they are there."""
+
+    def build() -> dict[str, np.ndarray]:
+        known = lights_of(listed, params, seed)
+        return {"charts": np.maximum(charts(brdf(listed.materials[name]), known.lights), 0).astype(np.float32)}
+
+    return kept(work, f"maps of {name}", build)["charts"]
+
+
+def kept(work: Checkpoint, name: str, build: training.Build) -> dict[str, np.ndarray]:
+    """What a run that was killed has left under this name, or what `build` makes, which is then kept."""
+    found = work.load(name)
+    if found is None:
+        found = build()
+        work.save(name, found)
+    return found

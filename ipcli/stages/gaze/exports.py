@@ -20,7 +20,7 @@ RAYS = 400  # most rays drawn
 MOST = 20_000  # points of the map on the page to be turned
 
 
-def beside(output: Path, *, has_gaze: bool) -> dict[Path, Beside]:
+def beside(output: Path, *, has_gaze: bool, has_areas: bool = False) -> dict[Path, Beside]:
     """Side files of an experiment at `output`, with their writers."""
     files: dict[Path, Beside] = {
         output.with_suffix(".tum"): write_tum,
@@ -29,7 +29,12 @@ def beside(output: Path, *, has_gaze: bool) -> dict[Path, Beside]:
         output.with_suffix(".cameras.txt"): colmap_model.write_cameras,
         output.with_suffix(".images.txt"): colmap_model.write_images,
         output.with_suffix(".points3D.txt"): colmap_model.write_points,
+        output.with_suffix(".cameras.bin"): colmap_model.write_cameras_binary,
+        output.with_suffix(".images.bin"): colmap_model.write_images_binary,
+        output.with_suffix(".points3D.bin"): colmap_model.write_points_binary,
     }
+    if has_areas:
+        files[output.with_suffix(".aoi.csv")] = write_areas
     return files | ({output.with_suffix(".por.csv"): write_csv} if has_gaze else {})
 
 
@@ -66,6 +71,23 @@ def write_csv(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, 
         cells = [f"{time:.6f}", str(a["por/outcome"][n]), *map(_cell, values), *map(str, pair)]
         lines.append(",".join([*cells, *map(_cell, (*pose[:3, 3], *quaternion))]))
     atomic.write_text(path, "\n".join(lines) + "\n")
+
+
+def write_areas(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """A line an area of interest: dwell, share, visits, fixations, first look, and the transitions to each other."""
+    names = [_quoted(str(name)) for name in a["aoi/names"]]
+    head = ["area", "dwell [s]", "share", "visits", "fixations", "first look [s]"]
+    lines = [",".join([*head, *(f"to {name}" if name[0] != '"' else f'"to {name[1:]}' for name in names)])]
+    for i, name in enumerate(names):
+        counts = (a["aoi/visits"][i], a["aoi/fixations"][i])
+        cells = [name, _cell(a["aoi/dwell"][i]), _cell(a["aoi/share"][i]), *map(str, counts), _cell(a["aoi/first"][i])]
+        lines.append(",".join([*cells, *map(str, a["aoi/transitions"][i])]))
+    atomic.write_text(path, "\n".join(lines) + "\n")
+
+
+def _quoted(text: str) -> str:
+    """As CSV has it (RFC 4180)."""
+    return '"' + text.replace('"', '""') + '"' if any(mark in text for mark in ',"\n') else text
 
 
 def _cell(value: float) -> str:

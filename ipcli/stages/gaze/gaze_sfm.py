@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ipcli.errors import ParameterError
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
 from ipcli.stages.gaze.parameters import GazeSfm as Params
@@ -22,7 +23,13 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
 
     NoSolution when no frame could be localised.
     """
+    from ipcli.io.files import h5
+    from ipcli.io.gaze.areas_file import read_areas
+    from ipcli.io.gaze.landmarks_file import read_landmarks
+    from ipcli.models.gaze import world
+    from ipcli.models.gaze.areas import attention
     from ipcli.models.gaze.experiment import experiment
+    from ipcli.models.gaze.known_map import WANTED, known_map
     from ipcli.stages.gaze import exports
     from ipcli.stages.kit.artefact import Job, make
     from ipcli.stages.kit.pages import page
@@ -31,11 +38,29 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
     if params.poses_only:
         recording = replace(recording, gaze=None)
 
-    def build() -> dict[str, np.ndarray]:
-        return experiment(recording, params.localisation, run.seed, progress)
+    if params.aoi is not None and recording.gaze is None:
+        raise ParameterError("--aoi: there is no gaze to be on areas of interest")
+    extra = tuple(Path(name) for name in (params.aoi, params.world, params.map) if name is not None)
+    areas = read_areas(Path(params.aoi)) if params.aoi is not None else None
+    marks = read_landmarks(Path(params.world)) if params.world is not None else None
 
-    beside = exports.beside(output, has_gaze=recording.gaze is not None) | page(output, "gaze-experiment")
-    return make(Job(output, "gaze-experiment", "gaze-sfm", params, recording.files, beside), build, run)
+    earlier = None
+    if params.map is not None:
+        earlier = known_map(h5.read(Path(params.map), "gaze-experiment", only=lambda name: name in WANTED).arrays)
+
+    def build() -> dict[str, np.ndarray]:
+        found = experiment(recording, params.localisation, run.seed, progress, earlier)
+        if marks is not None:
+            found = world.laid_on(found, marks, with_scale=params.world_scale)
+        if areas is not None:
+            seen = (found["gaze/times"], found["por/points"], found["por/fixation"])
+            found |= attention(*seen, areas, params.aoi_margin)
+        return found
+
+    beside = exports.beside(output, has_gaze=recording.gaze is not None, has_areas=areas is not None)
+    beside |= page(output, "gaze-experiment")
+    job = Job(output, "gaze-experiment", "gaze-sfm", params, (*recording.files, *extra), beside)
+    return make(job, build, run)
 
 
 def summary(output: Path) -> dict[str, object]:

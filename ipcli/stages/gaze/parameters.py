@@ -14,6 +14,17 @@ class GazeSfm:
     """What gaze-sfm takes."""
 
     poses_only: bool = option(False, "Only the head's path: no points of regard, no gaze.", flag="--poses-only")
+    map: str | None = option(
+        None, "Run (run.h5) whose map and world to localise in, with one camera or more.", flag="--map"
+    )
+    aoi: str | None = option(None, "Areas of interest: boxes or polygons (CSV), a labelled cloud (PLY).", flag="--aoi")
+    aoi_margin: float = option(
+        0.05, "How far from an area a point of regard still counts.", flag="--aoi-margin", low=0.0, unit="m"
+    )
+    world: str | None = option(
+        None, "Landmarks (CSV) whose frame becomes the world: by names of the gaze or marks in frames.", flag="--world"
+    )
+    world_scale: bool = option(False, "Let the landmarks change the scale too.", flag="--world-scale")
     localisation: Localisation = field(default_factory=Localisation)
     source: RecordingSource = field(default_factory=RecordingSource)
 

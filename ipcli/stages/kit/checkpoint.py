@@ -7,6 +7,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from shutil import rmtree
 from urllib.parse import quote
@@ -15,6 +16,8 @@ import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.io.files import npz
+
+LONGEST = 150  # letters of the name of an item that its file's name keeps
 
 
 @dataclass(frozen=True)
@@ -48,4 +51,7 @@ class Checkpoint:
         rmtree(self.folder, ignore_errors=True)
 
     def _path(self, name: str) -> Path:
-        return self.folder / f"{quote(name, safe=' ')}.npz"
+        plain = quote(name, safe=" ")
+        if len(plain) > LONGEST:  # more than file systems take
+            plain = f"{plain[:LONGEST]}.{sha256(name.encode('utf-8', 'surrogatepass')).hexdigest()[:16]}"
+        return self.folder / f"{plain}.npz"

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import logging
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
-from ipcli.geometry.motion import span
 from ipcli.io.motion import artefact
-from ipcli.measurements.motions import Clip, Clips, resample_clip
+from ipcli.measurements.motions import Clip, Clips, onto, resample_clip
 from ipcli.measurements.names import position
+from ipcli.models.mocap import checks
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.mocap.parameters import ImportClips
-from ipcli.stages.mocap.reading import open_source
-
-log = logging.getLogger(__name__)
-USUAL = (0.5, 3.5)  # metres a whole body spans; outside a wrong unit is more likely than such a body
+from ipcli.stages.mocap.reading import open_source, tell
 
 
 def run(
@@ -41,11 +38,15 @@ def run(
         read = []
         for count, name in enumerate(names, start=1):
             clip = clips.load(name)
+            clip = _on_one_skeleton(clip, clips)
             read.append(resample_clip(clip, params.rate) if params.rate else clip)
             progress(count / len(names), name)
-        _mind_the_size(source, read)
+        if not read:
+            raise FormatError(source, "no clips", fix="Check the folder")
+        odd = [*clips.notes, *checks.notes(read), *checks.doubts(read)]
+        tell(source, odd)
         places = [clips.names.index(name) for name in names]
-        return artefact.clips_arrays(read, {split: row[places] for split, row in clips.splits.items()})
+        return artefact.clips_arrays(read, {split: row[places] for split, row in clips.splits.items()}, odd)
 
     inputs = (source,) if params.source.manifest is None else (source, Path(params.source.manifest))
     return make(Job(output, "clips", "import-clips", params, inputs), build, run)
@@ -59,14 +60,17 @@ def _chosen(clips: Clips, labels: str | None) -> tuple[str, ...]:
     return tuple(name for name, label in zip(clips.names, clips.labels, strict=True) if label in wanted)
 
 
-def _mind_the_size(source: Path, clips: list[Clip]) -> None:
-    """Warn when the bodies are of an odd size: a whole set in a wrong unit does not fail by itself."""
-    if not clips:
-        raise FormatError(source, "no clips", fix="Check the folder")
-    size = float(np.nanmedian([span(clip.motion.positions) for clip in clips]))
-    if not USUAL[0] <= size <= USUAL[1]:
-        log.warning(
-            "%s: the bodies span %.2g m. If that is not their size, give the unit of the files with --unit",
-            source,
-            size,
+def _on_one_skeleton(clip: Clip, clips: Clips) -> Clip:
+    """The clip with the joints of the first, by their names, and a note of those that only one of them has."""
+    own, first = clip.motion.skeleton.joints, clips.skeleton.joints
+    motion = onto(clip.motion, clips.skeleton)
+    lost, gone = ([name for name in one if name not in other] for one, other in ((first, own), (own, first)))
+    if len(lost) == len(first):
+        fix = "Import the files of each skeleton on their own"
+        raise FormatError(
+            clip.name, f"another skeleton than that of '{clips.names[0]}'", got=", ".join(own[:4]), fix=fix
         )
+    notes = [f"no joint '{name}', which the first clip has: not seen" for name in lost]
+    notes += [f"joint '{name}' is left out: the first clip has none" for name in gone]
+    motion = replace(motion, skeleton=clips.skeleton, notes=(*motion.notes, *notes))
+    return replace(clip, motion=motion)

@@ -51,11 +51,15 @@ def run(
 def answers(output: Path) -> list[dict[str, Any]]:
     """The answers in an artefact, ready for JSON."""
     found = h5.read(output, KIND).arrays
+    if "segment_clip" in found:
+        return _segments(found)
     columns = ("clips", "answers", "novelty", "frames")
+    best = found["actions"][found["posterior"].argmax(axis=1)].tolist()
     rows = zip(
         *(found[name].tolist() for name in columns),
         found["posterior"].max(axis=1).tolist(),
         found["times"].tolist(),
+        best,
         strict=True,
     )
     return [
@@ -65,10 +69,20 @@ def answers(output: Path) -> list[dict[str, Any]]:
             "end": times[1],
             "answer": answer,
             "posterior": share,
+            "best": likeliest,
             "novelty": novelty,
             "frames": frames,
         }
-        for clip, answer, novelty, frames, share, times in rows
+        for clip, answer, novelty, frames, share, times, likeliest in rows
+    ]
+
+
+def _segments(found: Mapping[str, np.ndarray]) -> list[dict[str, Any]]:
+    """The segments of long takes, ready for JSON."""
+    names = (found[f"segment_{name}"].tolist() for name in ("clip", "time", "answer", "posterior"))
+    return [
+        {"clip": clip, "start": times[0], "end": times[1], "answer": answer, "posterior": share}
+        for clip, times, answer, share in zip(*names, strict=True)
     ]
 
 
@@ -122,7 +136,9 @@ def _queries(known: Motions, params: MocapClassify, seed: int) -> tuple[str, Que
 
 
 def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """Write a line for each segment, or else for each query."""
+    """Write a line for each segment, or else for each query: the posterior is that of `best`, which is the action
+    unless that is none.
+    """
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
     kind = "segment_" if "segment_clip" in arrays else ""
@@ -130,7 +146,8 @@ def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[
         arrays[kind + name] for name in (("clip", "time", "answer") if kind else ("clips", "times", "answers"))
     )
     shares = arrays["segment_posterior"] if kind else arrays["posterior"].max(axis=1)
-    lines.writerow(["clip", "start_s", "end_s", "action", "posterior"])
-    for clip, (start, end), name, share in zip(clips, times, names, shares, strict=True):
-        lines.writerow([clip, f"{start:.3f}", f"{end:.3f}", name, f"{share:.4f}"])
+    best = [] if kind else [[name] for name in arrays["actions"][arrays["posterior"].argmax(axis=1)]]
+    lines.writerow(["clip", "start_s", "end_s", "action", "posterior", *(["best"] if best else [])])
+    for n, (clip, (start, end), name, share) in enumerate(zip(clips, times, names, shares, strict=True)):
+        lines.writerow([clip, f"{start:.3f}", f"{end:.3f}", name, f"{share:.4f}", *(best[n] if best else [])])
     atomic.write_text(path, text.getvalue())

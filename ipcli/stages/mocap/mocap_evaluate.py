@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ipcli.errors import ParameterError
+from ipcli.io.files import h5
 from ipcli.models.mocap.evaluation import evaluate, make_splits
 from ipcli.models.mocap.motions import number_actions, select
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
+from ipcli.report.mocap.action_evaluation import accuracy
 from ipcli.stages.kit.artefact import Job, Outcome, make_resumable
 from ipcli.stages.kit.checkpoint import Checkpoint
 from ipcli.stages.kit.pages import page
@@ -30,6 +33,20 @@ def run(paths: Sequence[Path], output: Path, params: MocapEvaluate, run: Run, pr
     files = inputs(paths, params.groups)
     job = Job(output, KIND, "mocap-evaluate", params, files, page(output, KIND))
     return make_resumable(job, lambda work: evaluation(paths, params, run, work, progress), run)
+
+
+def figures(output: Path) -> dict[str, Any]:
+    """The figures that a person wants of an evaluation: shares named right, each the mean over the splits."""
+    found = h5.read(output, KIND).arrays
+    shares = {
+        name: round(float(np.mean(accuracy(found[field]))), 4)
+        for name, field in (
+            ("clips_right", "sequence_confusion"),
+            ("frames_right", "frame_confusion"),
+            ("clips_right_in_any_order", "pose_sequence_confusion"),
+        )
+    }
+    return {"splits": len(found["splits"]), "actions": len(found["classes"])} | shares
 
 
 def evaluation(

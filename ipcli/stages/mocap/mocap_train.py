@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from ipcli.io.files import h5
 from ipcli.models.mocap.motions import select
 from ipcli.models.mocap.training import learn_behaviours
 from ipcli.params import Run
@@ -17,6 +19,18 @@ from ipcli.stages.kit.pages import page
 from ipcli.stages.mocap.fitting import fit_cells
 from ipcli.stages.mocap.parameters import MocapTrain
 from ipcli.stages.mocap.reading import inputs, read
+
+
+def figures(output: Path) -> dict[str, Any]:
+    """The figures that a person wants of a model: what it learnt from, and how many behaviours it found."""
+    found = h5.read(output, "behaviours").arrays
+    return {
+        "actions": len(found["actions"]),
+        "people": len(found["actors"]),
+        "clips": int(found["clips"].sum()),
+        "frames": int(found["frames"].sum()),
+        "behaviours": len(found["behaviour_action"]),
+    }
 
 
 def run(paths: Sequence[Path], output: Path, params: MocapTrain, run: Run, progress: Progress = silent) -> Outcome:

@@ -21,7 +21,9 @@ class ClipSource:
     unit: str | None = option(
         None, "Unit of length of the files: m, cm, mm, inch, or metres as a number.", flag="--unit"
     )
-    up: str | None = option(None, "Axis of the files that points up.", flag="--up", choices=("x", "y", "z"))
+    up: str | None = option(
+        None, "Axis of the files that points up.", flag="--up", choices=("x", "y", "z", "-x", "-y", "-z")
+    )
     source_rate: float | None = option(
         None, "Rate of files that do not say it.", flag="--source-rate", low=0.0, unit="Hz"
     )
@@ -32,7 +34,7 @@ class ClipSource:
 class ClipReading:
     """How the commands that learn and recognise read clips."""
 
-    rate: float = option(30.0, "rate to bring all clips to", flag="--rate", low=1.0, unit="Hz")
+    rate: float = option(30.0, "rate to bring all clips to", flag="--rate", low=1.0, high=1000.0, unit="Hz")
     source: ClipSource = field(default_factory=ClipSource)
 
 
@@ -40,7 +42,7 @@ class ClipReading:
 class ImportClips:
     """Which clips to import, and at what rate."""
 
-    rate: float | None = option(None, "Rate to bring all clips to.", flag="--rate", low=0.0, unit="Hz")
+    rate: float | None = option(None, "Rate to bring all clips to.", flag="--rate", low=1.0, high=1000.0, unit="Hz")
     labels: str | None = option(None, "Actions to take, with commas.", flag="--labels")
     source: ClipSource = field(default_factory=ClipSource)
 

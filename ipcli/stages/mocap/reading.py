@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import logging
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from ipcli.errors import FormatError, ParameterError
+from ipcli.errors import FormatError, ParameterError, nearest
 from ipcli.geometry.skeleton import Groups, Skeleton
 from ipcli.io.motion import groups as joint_groups
 from ipcli.io.motion.layouts import open_clips
-from ipcli.measurements.motions import Clip, Clips, resample_clip
+from ipcli.measurements.motions import Clip, Clips, onto, resample_clip
+from ipcli.models.mocap import checks
 from ipcli.models.mocap.features import height
 from ipcli.models.mocap.motions import Motions
 from ipcli.params import as_dict
 from ipcli.stages.mocap.parameters import ClipReading, ClipSource
+
+log = logging.getLogger(__name__)
 
 
 def open_source(path: Path, source: ClipSource) -> Clips:
@@ -42,23 +47,44 @@ def gather(
     """Load all clips, one source after the other, at one rate; `groups` as io.motion.groups.find takes them, or found
     already.
 
-    Raises FormatError for clips of another skeleton than the first's, or than `skeleton` if given, and for two clips of
-    one name; ParameterError for a body without height.
+    Joints are those of `skeleton` if given, else of the first clip, found by their names. Raises FormatError for
+    clips that lack one of those that the groups need, and for two clips of one name; ParameterError for a body without
+    height.
     """
     clips: list[Clip] = []
     splits: Mapping[str, np.ndarray] = {}
+    skeleton = skeleton or sources[0][1].skeleton
+    groups = joint_groups.find(groups, skeleton) if isinstance(groups, str) else groups
+    needed = groups.needed(skeleton)
     for path, found in sources:
-        skeleton = skeleton or found.skeleton
-        _check_skeleton(path, found.skeleton, skeleton)
-        clips += [resample_clip(found.load(name), rate) for name in found.names]
+        clips += [_read_clip(path, found, name, rate, skeleton, needed) for name in found.names]
         splits = dict(found.splits) if len(sources) == 1 else {}
+        tell(path, found.notes)
     if not clips:
         raise FormatError(sources[0][0], "no clips", fix="Check the folder")
     _check_names(sources[-1][0], clips)
-    groups = joint_groups.find(groups, clips[0].motion.skeleton) if isinstance(groups, str) else groups
     for clip in clips:
         _check_height(clip, groups)
+    tell(sources[0][0], [*checks.notes(clips), *checks.doubts(clips, groups)])
     return Motions(tuple(clips), groups, splits)
+
+
+def tell(path: Path, notes: Iterable[str]) -> None:
+    """Say on the console what is odd about the clips at a path."""
+    for note in notes:
+        log.warning("%s: %s", path, note)
+
+
+def _read_clip(path: Path, clips: Clips, name: str, rate: float, skeleton: Skeleton, needed: Sequence[str]) -> Clip:
+    """One clip at a rate with the joints of a skeleton by their names; FormatError if it lacks one that is needed."""
+    clip = clips.load(name)
+    there = clip.motion.skeleton.joints
+    if missing := [joint for joint in needed if joint not in there]:
+        where = path if len(clips.names) == 1 else f"{path}: clip '{name}'"
+        what = f"is of another skeleton: it has no joint '{missing[0]}'{nearest(missing[0], there)}"
+        fix = "Rename its joints, or give --groups for joints that all clips have"
+        raise FormatError(where, what, expected=f"{len(needed)} joints by name", got=f"{len(there)} joints", fix=fix)
+    return resample_clip(replace(clip, motion=onto(clip.motion, skeleton)), rate)
 
 
 def _check_names(path: Path, clips: Sequence[Clip]) -> None:
@@ -75,13 +101,3 @@ def _check_height(clip: Clip, groups: Groups) -> None:
         height(clip.motion, groups)
     except ParameterError as error:
         raise ParameterError(f"clip '{clip.name}': {error}") from None
-
-
-def _check_skeleton(path: Path, found: Skeleton, expected: Skeleton) -> None:
-    if (found.joints, found.parents) == (expected.joints, expected.parents):
-        return
-    other = next((name for name in expected.joints if name not in found.joints), None)
-    what = f"has no joint '{other}'" if other else "has its joints in another order, or bones between others"
-    expects, got = (f"{len(skeleton.joints)} joints" for skeleton in (expected, found))
-    fix = "Learn and recognise with clips of one skeleton"
-    raise FormatError(path, f"is of another skeleton: it {what}", expected=expects, got=got, fix=fix)

@@ -130,6 +130,7 @@ def test_benchmarks_of_all_chapters_are_run_and_quick_if_asked(tmp_path):
         assert [line.split("-m benchmarks.")[1].split()[0] for line in run] == [
             *("fusion.solver", "fusion.baselines", "fusion.scaling"),
             *("mocap.gibbs", "mocap.speed", "mocap.peers"),
+            "gaze.paths",
         ]
         assert all(("--quick" in line) == bool(quick) for line in run)
 

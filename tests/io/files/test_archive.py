@@ -117,3 +117,31 @@ def test_a_copy_that_lost_its_suffix_is_no_archive(folder):
     path = pack(folder, ".tar")
     shutil.copy(path, folder.parent / "copy")
     assert not is_archive(folder.parent / "copy")
+
+
+def packed_blocks(tmp_path):
+    """An archive of three files a, b, c of one block each, as its blocks: a header, then its data, of each."""
+    with tarfile.open(tmp_path / "x.tar", "w") as tar:
+        for name in "abc":
+            (tmp_path / name).write_bytes(name.encode() * 512)
+            tar.add(tmp_path / name, name)
+    return bytearray((tmp_path / "x.tar").read_bytes())
+
+
+@pytest.mark.parametrize("reading", [listing, unpacked])
+@pytest.mark.parametrize(
+    ("change", "because"),
+    [
+        (lambda data: data[: 2 * 512 + 3] + b"9" + data[2 * 512 + 4 :], "neither a member nor the end"),
+        (lambda data: data[: 4 * 512], "neither a member nor the end at byte 2048"),
+        (lambda data: data[: 4 * 512 + 100], "neither a member nor the end at byte 2048"),
+        (lambda data: data[: 3 * 512 + 100], "unexpected end of data"),
+        (lambda data: data + data, "several were joined"),
+    ],
+    ids=["damaged header", "cut between members", "cut in a header", "cut in a file", "joined"],
+)
+def test_a_damaged_archive_loses_no_member_without_a_word(tmp_path, reading, change, because):
+    (tmp_path / "bad.tar").write_bytes(change(packed_blocks(tmp_path)))
+    with pytest.raises(FormatError) as error:
+        reading(tmp_path / "bad.tar")
+    check_message(error.value, "bad.tar", because)

@@ -143,3 +143,34 @@ def test_proportions_may_differ_by_two_percent(tmp_path, width, taken):
         assert text.image_at(tmp_path / "i.png", (100, 200)).shape == (100, 200, 3)
     else:
         refused(lambda: text.image_at(tmp_path / "i.png", (100, 200)), "proportions")
+
+
+def test_the_mark_of_an_encoding_is_no_text(tmp_path):
+    path = tmp_path / "a.txt"
+    for encoding in ("utf-8", "utf-8-sig"):
+        path.write_text("été\n", encoding=encoding)
+        assert text.read_text(path) == text.read_any_text(path) == "été\n"
+
+
+def test_old_texts_are_read_in_the_encoding_that_fits(tmp_path):
+    path = tmp_path / "a.txt"
+    for encoding in ("utf-16", "latin-1"):
+        path.write_bytes("été\n1 2\n".encode(encoding))
+        assert text.read_any_text(path) == "été\n1 2\n"
+    path.write_bytes("上\n".encode())
+    assert text.read_any_text(path) == "上\n"
+
+
+@pytest.mark.parametrize("end", [b"\x1a", b"\x1a\r\n", b"\0\0", b"\x1a\0\0\0"])
+def test_what_dos_put_after_the_end_is_left_out(tmp_path, end):
+    (tmp_path / "a.txt").write_bytes(b"1 2\n3 4\n" + end)
+    assert text.read_any_text(tmp_path / "a.txt") == "1 2\n3 4\n"
+
+
+def test_a_number_at_the_very_end_may_be_cut():
+    assert [text.cut_number(end) for end in ("1 2\n3 10", "1.", "1 2\n", "", "a}")] == [True, True, False, False, False]
+
+
+def test_whole_numbers_are_ascii_digits_of_a_length_that_occurs():
+    assert text.whole("0012") == 12
+    assert [text.whole(word) for word in ("", "-1", "1.0", "²", "٣", "9" * 5000, "x")] == [None] * 7

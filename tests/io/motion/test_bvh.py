@@ -174,3 +174,89 @@ def test_damage_anywhere_is_a_one_line_error_or_a_sound_motion(tmp_path_factory,
         check_message(error, path)
     else:
         assert motion.positions.shape == (*motion.rotations.shape[:2], 3)
+
+
+DIALECT = """HIERARCHY
+ROOT {root}
+{{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT {joint}
+  {{
+    OFFSET 0 50 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    {end}
+    {{
+      OFFSET 0 40 0
+    }}
+  }}
+}}
+MOTION
+Frames: 2
+{time}
+{first}
+0 91 0 0 0 0 0 0 90
+"""
+USUAL = {
+    "root": "Hips",
+    "joint": "Spine",
+    "end": "End Site",
+    "time": "Frame Time: 0.04",
+    "first": "0 90 0 0 0 0 0 -90 0",
+}
+
+
+def dialect(tmp_path, encoding="utf-8", tail="", **changes):
+    path = tmp_path / "a.bvh"
+    path.write_bytes((DIALECT.format(**USUAL | changes) + tail).encode(encoding))
+    return bvh.read(path)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"encoding": "utf-8-sig"},
+        {"encoding": "utf-16"},
+        {"tail": "\x1a"},
+        {"tail": "\r\n\x1a\r\n"},
+        {"end": "End Site Toe"},
+        {"end": "End Site\tLeft Toe"},
+        {"time": "Frame\tTime:\t0.04"},
+        {"time": "Frame  Time:  0.04"},
+        {"time": "FRAME TIME:0.04"},
+        {"first": "0 90 0 0 0 0 0-90 0"},
+    ],
+    ids=str,
+)
+def test_dialects_mean_the_same(tmp_path, changes):
+    plain, other = dialect(tmp_path), dialect(tmp_path, **changes)
+    assert other.skeleton == plain.skeleton
+    assert other.rate == plain.rate == 25
+    np.testing.assert_array_equal(other.positions, plain.positions)
+    assert bool(other.notes) == ("first" in changes)
+
+
+@pytest.mark.parametrize("name", ["Bip01 L Calf", "左足", "jambe_à_gauche", "Épine 1"])
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
+def test_names_are_read_as_they_were_written(tmp_path, name, encoding):
+    if encoding == "latin-1" and not name.isascii() and max(name) > "ÿ":
+        pytest.skip("Latin-1 has no such letters")
+    assert dialect(tmp_path, encoding, joint=name).skeleton.joints == ("Hips", name, f"{name}_end")
+
+
+def test_frames_a_second_in_place_of_the_time_of_a_frame_are_named_as_the_cause(tmp_path):
+    with pytest.raises(FormatError, match="expected 1 to 1000 Hz.*frames a second stand.*--source-rate 30"):
+        dialect(tmp_path, time="Frame Time: 30")
+
+
+def test_a_word_among_the_numbers_is_named_with_its_line(tmp_path):
+    with pytest.raises(FormatError, match="line 19: '9O' is not a number"):
+        dialect(tmp_path, first="0 9O 0 0 0 0 0 0 0")
+
+
+def test_a_last_number_that_may_be_cut_is_said(tmp_path):
+    (note,) = dialect(tmp_path, tail="").notes or ("",)
+    assert not note
+    path = tmp_path / "b.bvh"
+    path.write_text(DIALECT.format(**USUAL).rstrip("\n"))
+    assert bvh.read(path).notes == (bvh.CUT,)

@@ -77,3 +77,20 @@ def test_without_the_extra_it_is_named(written, monkeypatch):
         IpcliError, match=r"a.c3d: C3D files need the package ezc3d. Install it with pip install 'ipcli\[c3d\]'"
     ):
         c3d.read(written())
+
+
+def test_markers_of_one_name_are_told_apart(written):
+    motion = c3d.read(written(labels=("*1", "*1")))
+    assert motion.skeleton.joints == ("*1", "*1_2")
+    assert motion.notes == ("several joints are named *1: told apart by numbers",)
+
+
+@pytest.mark.parametrize("group", ["ANGLES", "FORCES", "MOMENTS", "POWERS"])
+def test_what_a_model_computed_is_no_marker(written, group):
+    path = written(labels=("LFHD", "LKneeAngles"))
+    file = ezc3d.c3d(str(path))
+    file.add_parameter("POINT", group, ["LKneeAngles"])
+    file.write(str(path))
+    motion = c3d.read(path)
+    assert motion.skeleton.joints == ("LFHD",)
+    assert "1 outputs of a model" in motion.notes[0]

@@ -54,8 +54,14 @@ def test_and_so_are_their_archives(tmp_path, told, format):
 
 @pytest.mark.parametrize("suffix", recordings.READERS)
 def test_a_motion_file_alone_is_read(tmp_path, told, suffix):
-    (tmp_path / f"a{suffix}").touch()
-    assert told(tmp_path / f"a{suffix}") == "files"
+    (tmp_path / f"a01_s01_e01{suffix}").touch()
+    assert told(tmp_path / f"a01_s01_e01{suffix}") == "files"
+
+
+def test_any_text_is_no_motion(tmp_path):
+    (tmp_path / "readme.txt").touch()
+    with pytest.raises(FormatError, match="no known layout"):
+        layouts.open_clips(tmp_path)
 
 
 def test_what_no_layout_fits_is_refused_with_all_that_are_known(tmp_path):

@@ -105,14 +105,6 @@ def test_a_body_that_no_person_has_is_refused_with_the_option_that_mends_it(tmp_
     check_message(raised.value, "--unit")
 
 
-def test_a_file_of_another_skeleton_is_refused_when_it_is_read(tmp_path):
-    save(tmp_path / "a.npz")
-    save(tmp_path / "b.npz", joints=("hips", "nose", "foot"))
-    clips = open_recordings(tmp_path)
-    with pytest.raises(FormatError, match="another skeleton than a.npz"):
-        clips.load("b")
-
-
 @pytest.mark.parametrize("hints", [{"up": "w"}, {"unit": "mile"}, {"unit": "-1"}, {"unit": "nan"}])
 def test_hints_that_mean_nothing_are_refused(tmp_path, hints):
     save(tmp_path / "a.npz")
@@ -128,3 +120,84 @@ def test_what_is_no_motion_is_told_by_name(tmp_path):
     save(tmp_path / "a.npz")
     assert is_recordings(tmp_path)
     assert is_recordings(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize("dialect", ["bom", "semicolon", "case", "backslash"])
+def test_dialects_of_manifests_mean_the_same(tmp_path, dialect):
+    save(tmp_path / "in" / "a.npz")
+    text = "path,label,actor\nin/a.npz,wave,ann\n"
+    change = {
+        "bom": "\ufeff" + text,
+        "semicolon": text.replace(",", ";"),
+        "case": text.replace("path,label,actor", "Path,LABEL,Actor"),
+        "backslash": text.replace("/", "\\"),
+    }
+    (tmp_path / "manifest.csv").write_text(change[dialect], encoding="utf-8")
+    clips = open_recordings(tmp_path)
+    assert (clips.names, clips.labels, clips.actors) == (("a",), ("wave",), ("ann",))
+
+
+def test_a_stop_beyond_the_end_is_said(tmp_path):
+    save(tmp_path / "a.npz")
+    clips = open_recordings(manifest(tmp_path, "path,label,start,stop", "a.npz,wave,1,100"))
+    motion = clips.load("a_1").motion
+    assert len(motion.positions) == 9
+    assert "stop 100 of the manifest lies beyond its 10 frames" in motion.notes[-1]
+
+
+@pytest.mark.parametrize("text", ["²", "-1", "9" * 5000, "1.5"])
+def test_what_is_no_number_of_a_frame_is_refused(tmp_path, text):
+    save(tmp_path / "a.npz")
+    with pytest.raises(FormatError, match="line 2: .* is not a frame"):
+        open_recordings(manifest(tmp_path, "path,start", f"a.npz,{text}"))
+
+
+@pytest.mark.parametrize("name", ["a\0b.npz", "a" * 5000])
+def test_a_name_that_no_file_can_have_is_not_there(tmp_path, name):
+    save(tmp_path / "a.npz")
+    with pytest.raises(FormatError, match="line 2: no file"):
+        open_recordings(manifest(tmp_path, "path", name))
+
+
+def labelled(folder, actor=True):
+    for label in ("wave", "kick"):
+        save(folder / label / ("ann" if actor else "") / f"{label}.npz")
+
+
+def test_a_set_in_one_folder_more_than_it_needs_is_found_there(tmp_path):
+    labelled(tmp_path / "motions")
+    clips = open_recordings(tmp_path)
+    assert {*zip(clips.labels, clips.actors, strict=True)} == {("wave", "ann"), ("kick", "ann")}
+    assert "everything lies in 'motions'" in clips.notes[-1]
+
+
+def test_so_is_a_manifest(tmp_path):
+    save(tmp_path / "motions" / "a.npz")
+    manifest(tmp_path / "motions", "path,label", "a.npz,wave")
+    assert open_recordings(tmp_path).labels == ("wave",)
+
+
+def test_one_folder_that_may_be_a_label_or_not_is_said(tmp_path):
+    labelled(tmp_path / "motions", actor=False)
+    clips = open_recordings(tmp_path)
+    assert {*clips.labels} == {"motions"}
+    assert "all clips lie in 'motions'" in clips.notes[0]
+    assert not open_recordings(tmp_path / "motions").notes
+
+
+def test_files_of_a_kind_that_is_not_read_are_counted(tmp_path):
+    labelled(tmp_path)
+    (tmp_path / "wave" / "b.fbx").touch()
+    assert open_recordings(tmp_path).notes == ("1 files of .fbx are not read: export them as BVH",)
+
+
+@pytest.mark.parametrize("up", ["x", "y", "z", "-x", "-y", "-z"])
+def test_any_axis_becomes_y(tmp_path, up):
+    positions = np.random.default_rng(0).uniform(-1, 1, (4, 3, 3))
+    positions[:, 1] = positions[:, 0]
+    positions[:, 1, "xyz".index(up[-1])] += -1.5 if up[0] == "-" else 1.5
+    np.savez(tmp_path / "a.npz", positions=positions, joints=JOINTS, parents=PARENTS, rate=60.0)
+    turned = open_recordings(tmp_path, up=up).load("a").motion.positions
+    np.testing.assert_allclose(turned[:, 1] - turned[:, 0], [[0, 1.5, 0]] * 4, atol=1e-12)
+    triple = [np.linalg.det(p) for p in (positions[0], turned[0])]
+    assert triple[0] == pytest.approx(triple[1])

@@ -7,6 +7,7 @@ import pytest
 
 from ipcli.errors import FormatError
 from ipcli.geometry import lie
+from ipcli.geometry.skeleton import Skeleton
 from ipcli.io.motion import tables
 
 JOINTS = ("hips", "head", "left.foot")
@@ -120,3 +121,100 @@ def test_npz_that_is_none(tmp_path):
         (tmp_path / "a.npz").write_bytes(content)
         with pytest.raises(FormatError, match="not a readable NPZ file"):
             tables.read_npz(tmp_path / "a.npz")
+
+
+def write_times(tmp_path, times, first="time"):
+    rows = [f"{time},0.1,1,0,0,{1.7 + n / 100},0" for n, time in enumerate(times)]
+    path = tmp_path / "t.csv"
+    path.write_text("\n".join([f"{first},hips.x,hips.y,hips.z,head.x,head.y,head.z", *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("rate", "places"), [(30, 3), (120, 3), (60, 3), (25, 3), (29.5, 4), (30, 2)])
+def test_times_that_were_rounded_are_even(tmp_path, rate, places):
+    path = write_times(tmp_path, [f"{n / rate:.{places}f}" for n in range(24)])
+    assert tables.read_csv(path).rate == pytest.approx(rate, rel=1e-4)
+
+
+@pytest.mark.parametrize("lost", [1, 11])
+def test_a_dropped_frame_is_no_rounding(tmp_path, lost):
+    path = write_times(tmp_path, [f"{n / 30:.3f}" for n in range(24) if n != lost])
+    with pytest.raises(FormatError, match=f"line {lost + 2}: times are uneven"):
+        tables.read_csv(path)
+
+
+def test_milliseconds_are_named_as_the_cause(tmp_path):
+    with pytest.raises(FormatError, match="expected 1 to 1000 Hz.*milliseconds, give --source-rate 30"):
+        tables.read_csv(write_times(tmp_path, [f"{1000 * n / 30:.4f}" for n in range(6)]))
+
+
+@pytest.mark.parametrize("dialect", ["bom", "semicolon", "tab", "case"])
+def test_dialects_of_tables_mean_the_same(tmp_path, dialect):
+    path = write_times(tmp_path, ["0.00", "0.04", "0.08"])
+    plain, text = tables.read_csv(path), path.read_text()
+    header, _, rows = text.partition("\n")
+    text = {
+        "bom": "\ufeff" + text,
+        "semicolon": text.replace(",", ";").replace(".", ",").replace("hips,", "hips.").replace("head,", "head."),
+        "tab": text.replace(",", "\t"),
+        "case": header.replace("time", "Time").replace(".x", ".X") + "\n" + rows,
+    }[dialect]
+    path.write_text(text, encoding="utf-8")
+    other = tables.read_csv(path)
+    assert (other.skeleton, other.rate) == (plain.skeleton, plain.rate)
+    np.testing.assert_array_equal(other.positions, plain.positions)
+
+
+def test_frame_numbers_that_are_left_out_are_frames_of_nan(tmp_path):
+    motion = tables.read_csv(write_times(tmp_path, [5, 6, 9], "frame"), rate=30)
+    assert len(motion.positions) == 5
+    np.testing.assert_array_equal(np.isnan(motion.positions).all(axis=(1, 2)), [False, False, True, True, False])
+
+
+@pytest.mark.parametrize("frames", [(1, 3, 2), (1, 1, 2), (1, 2, "")])
+def test_frame_numbers_that_do_not_grow_are_refused(tmp_path, frames):
+    with pytest.raises(FormatError, match="line 4: frame numbers do not grow|line 3: frame numbers do not grow"):
+        tables.read_csv(write_times(tmp_path, frames, "frame"), rate=30)
+
+
+def test_frame_numbers_far_apart_ask_for_no_memory(tmp_path):
+    with pytest.raises(FormatError, match="odd gaps"):
+        tables.read_csv(write_times(tmp_path, [1, 2, 10**9], "frame"), rate=30)
+
+
+def test_a_joint_at_exactly_0_0_0_was_not_seen():
+    standing = np.array([[[0, 1.0, 0], [0, 1.7, 0], [0.1, 0.1, 0]]] * 4)
+    standing[1:3, 1] = 0
+    found, notes = tables.unseen(standing, Skeleton(("hips", "head", "foot"), (-1, -1, -1)))
+    assert np.isnan(found[1:3, 1]).all()
+    assert np.isnan(found).sum() == 6
+    assert notes == ("'head' is at exactly 0 0 0 in 2 of 4 frames: not seen",)
+
+
+@pytest.mark.parametrize("parents", [(-1, -1, -1), (-1, 0, 0)])
+def test_the_origin_that_a_body_was_moved_to_is_seen(parents):
+    centred = np.array(
+        [[[0, 0.0, 0], [0, 0.7, 0.1], [0.1, -0.9, -0.1]], [[0, 0.0, 0], [0.1, 0.7, -0.1], [-0.1, -0.9, 0.1]]]
+    )
+    found, notes = tables.unseen(centred, Skeleton(("hips", "head", "foot"), parents))
+    np.testing.assert_array_equal(found, centred)
+    assert not notes
+
+
+def test_names_that_were_pickled_are_named_with_the_cure(tmp_path):
+    joints = np.array(["a", "b"], dtype=object)
+    np.savez(tmp_path / "a.npz", positions=np.ones((2, 2, 3)), joints=joints, rate=30.0)
+    with pytest.raises(FormatError, match="joints is an array of Python objects.*dtype=str"):
+        tables.read_npz(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize(
+    "odd",
+    [{"rate": [30.0, 30.0]}, {"rate": "x"}, {"parents": [np.nan, 0]}, {"parents": [-1, 1e300]}, {"positions": 1.0}],
+    ids=str,
+)
+def test_odd_arrays_are_refused(tmp_path, odd):
+    sound = {"positions": np.ones((2, 2, 3)), "joints": ["a", "b"], "rate": 30.0, "parents": [-1, 0]}
+    np.savez(tmp_path / "a.npz", **sound | odd)
+    with pytest.raises(FormatError, match="a.npz"):
+        tables.read_npz(tmp_path / "a.npz")

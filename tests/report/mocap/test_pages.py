@@ -139,3 +139,20 @@ def test_the_time_named_right_is_that_of_the_overlaps():
     assert "50 % was named right and 25 % none" in action_recognition.page(arrays, {}).replace(
         "\N{NO-BREAK SPACE}", " "
     )
+
+
+def test_labels_that_were_never_learnt_are_scored_apart_and_none_is_right_there():
+    arrays = recognition_artefact(n=4) | {
+        "answers": np.array(["none", "none", str(ACTIONS[0]), str(ACTIONS[2])]),
+        "truth": np.array(["handstand", str(ACTIONS[0]), "handstand", str(ACTIONS[2])]),
+    }
+    html = action_recognition.page(arrays, {}).replace("\xa0", " ")
+    assert "50 % of the 2 whose label the model learnt were named right." in html
+    assert "50 % of the 2 of labels that it never learnt were told as none." in html
+    assert html.count("not the label that it has") == 1
+    assert html.count("of an action that was never learnt") == 1
+
+
+def test_an_answer_none_names_the_action_that_its_posterior_is_of():
+    arrays = recognition_artefact(n=1) | {"posterior": np.array([[0.1, 0.2, 0.7]])}
+    assert f"most like {ACTIONS[2]}" in action_recognition.page(arrays, {})

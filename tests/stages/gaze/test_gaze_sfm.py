@@ -7,6 +7,7 @@ import pytest
 
 from experiments.gaze import room
 from ipcli.cli.main import main
+from ipcli.geometry import lens
 from ipcli.io.files import h5, ply
 from ipcli.io.gaze import layouts
 
@@ -35,14 +36,17 @@ def test_the_artefact_holds_the_experiment_and_its_accuracy(made):
     assert a["accuracy/regards"].sum() == (a["por/outcome"] == "hit").sum()
 
 
-def test_pycolmap_opens_the_model_and_its_points_project_where_they_were_seen(made, tmp_path):
+@pytest.mark.parametrize("end", ["txt", "bin"])
+def test_pycolmap_opens_the_model_and_its_points_project_where_they_were_seen(made, tmp_path, end):
     pycolmap = pytest.importorskip("pycolmap")
     for name in ("cameras", "images", "points3D"):
-        (tmp_path / f"{name}.txt").write_text(made.with_suffix(f".{name}.txt").read_text())
+        (tmp_path / f"{name}.{end}").write_bytes(made.with_suffix(f".{name}.{end}").read_bytes())
     model = pycolmap.Reconstruction(str(tmp_path))
     assert len(model.images) == 2 * COURSE.frames
+    assert model.images[1].name.startswith("left/")
     model.update_point_3d_errors()
     errors = np.array([point.error for point in model.points3D.values()])
+    assert len(errors) == len(h5.read(made, "gaze-experiment").arrays["map/points"])
     assert np.median(errors) < 1.0  # pixels
 
 
@@ -101,3 +105,58 @@ def test_check_prints_figures_and_warnings(folder, capsys):
     out = capsys.readouterr().out
     assert "vertical disparity [px]" in out
     assert "gaze inside the picture" in out
+
+
+def _marks(walked):
+    """The targets as a table of landmarks, each marked where the frames show it."""
+    recording = walked.recording
+    camera = recording.cameras[0]
+    lines = ["name,x [m],y [m],z [m],frame,u [px],v [px]"]
+    for k, world_from_rig in enumerate(recording.truth):
+        seen = (room.TARGETS - world_from_rig[:3, 3]) @ world_from_rig[:3, :3]
+        drawn = lens.distort(camera.model, camera.distortion, seen[:, :2] / seen[:, 2:])
+        for name, place, z, (u, v) in zip(
+            room.NAMES, room.TARGETS, seen[:, 2], lens.pixels_of(drawn, camera.intrinsics), strict=True
+        ):
+            if z > 0.5 and 0 <= u < camera.size[0] and 0 <= v < camera.size[1]:
+                stamp = round(recording.times[k] * 1e9) + 1_000_000_000
+                lines.append(",".join([name, *map(str, place), str(stamp), f"{u:.3f}", f"{v:.3f}"]))
+    return "\n".join(lines) + "\n"
+
+
+def test_the_world_of_landmarks_and_the_time_on_areas_of_interest(folder, tmp_path):
+    walked = room.walk(COURSE, 2)
+    (tmp_path / "world.csv").write_text(_marks(walked))
+    cubes = [f'"{n}, the",{",".join(map(str, [*(t - 0.4), *(t + 0.4)]))}' for n, t in enumerate(room.TARGETS)]
+    (tmp_path / "aoi.csv").write_text("\n".join(["name,x0 [m],y0 [m],z0 [m],x1 [m],y1 [m],z1 [m]", *cubes]) + "\n")
+    run = tmp_path / "run.h5"
+    words = ["--world", str(tmp_path / "world.csv"), "--aoi", str(tmp_path / "aoi.csv"), "--gaze-sigma", "0.71"]
+    assert main(["gaze-sfm", str(folder), "-o", str(run), *words, "--quiet"]) == 0
+    a = h5.read(run, "gaze-experiment").arrays
+    off = a["world_from_rig"][:, :3, 3] - walked.recording.truth[:, :3, 3]
+    assert np.linalg.norm(off, axis=1).max() < 0.03  # no truth but the landmarks went in
+    looked = np.bincount(walked.looked_at, minlength=len(room.TARGETS)) / len(walked.looked_at)
+    np.testing.assert_allclose(a["aoi/share"], looked, atol=0.15)
+    table = (tmp_path / "run.aoi.csv").read_text().splitlines()
+    assert table[0].startswith('area,dwell [s],share,visits,fixations,first look [s],"to 0, the"')
+    assert len(table) == 1 + len(room.TARGETS)
+    html = run.with_suffix(".html").read_text()
+    assert "Areas of interest" in html
+    assert "The world is that of these landmarks" in html
+
+
+def test_areas_without_gaze_are_a_mistake_that_is_told_before_the_work(folder, tmp_path, capsys):
+    aoi = tmp_path / "aoi.csv"
+    aoi.write_text("name,x0 [m],y0 [m],z0 [m],x1 [m],y1 [m],z1 [m]\na,0,0,0,1,1,1\n")
+    assert main(["gaze-sfm", str(folder), "-o", str(tmp_path / "x.h5"), "--poses-only", "--aoi", str(aoi)]) != 0
+    assert "--aoi: there is no gaze" in capsys.readouterr().err
+
+
+def test_a_recording_is_localised_in_the_map_of_an_earlier_run(made, folder, tmp_path):
+    run = tmp_path / "again.h5"
+    words = ["--map", str(made), "--start", "2", "--stop", "6"]
+    assert main(["gaze-sfm", str(folder), "-o", str(run), *words, "--quiet"]) == 0
+    a, earlier = h5.read(run, "gaze-experiment").arrays, h5.read(made, "gaze-experiment").arrays
+    off = a["world_from_rig"][:, :3, 3] - earlier["world_from_rig"][2:6, :3, 3]
+    assert np.linalg.norm(off, axis=1).max() < 0.01
+    np.testing.assert_array_equal(a["map/points"], earlier["map/points"])

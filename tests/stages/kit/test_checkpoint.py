@@ -55,3 +55,11 @@ def test_clearing_leaves_nothing(checkpoint):
     checkpoint.clear()
     checkpoint.clear()
     assert not list(checkpoint.folder.parent.iterdir())
+
+
+def test_names_of_any_length_and_script_are_kept_apart(tmp_path):
+    work = Checkpoint(tmp_path / "work")
+    names = ["両手を高く上げて大きく左右に振りながらゆっくり歩く動作" * n for n in (1, 2, 9)] + ["a" * 300, "a" * 301]
+    for number, name in enumerate(names):
+        work.save(name, {"x": np.array([number])})
+    assert [int(work.load(name)["x"][0]) for name in names] == [0, 1, 2, 3, 4]

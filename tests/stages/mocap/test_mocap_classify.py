@@ -43,8 +43,8 @@ def test_answers_are_those_of_the_artefact_and_of_the_table(model, tmp_path):
     assert [answer["answer"] for answer in told] == ["kick", "wave"]
     assert [answer["posterior"] for answer in told] == found["posterior"].max(axis=1).tolist()
     lines = (tmp_path / "y.recognition.csv").read_text(encoding="utf-8").splitlines()
-    assert lines[0] == "clip,start_s,end_s,action,posterior"
-    expected = [f"{a['clip']},0.000,0.800,{a['answer']},{a['posterior']:.4f}" for a in told]
+    assert lines[0] == "clip,start_s,end_s,action,posterior,best"
+    expected = [f"{a['clip']},0.000,0.800,{a['answer']},{a['posterior']:.4f},{a['best']}" for a in told]
     assert lines[1:] == expected
 
 
@@ -53,6 +53,9 @@ def test_of_windows_the_table_has_the_segments(model, tmp_path):
     found = h5.read(tmp_path / "y.recognition.h5", "action-recognition").arrays
     lines = (tmp_path / "y.recognition.csv").read_text(encoding="utf-8").splitlines()
     assert [line.split(",")[3] for line in lines[1:]] == found["segment_answer"].tolist()
+    told = mocap_classify.answers(tmp_path / "y.recognition.h5")
+    assert [one["answer"] for one in told] == found["segment_answer"].tolist()
+    assert [[one["start"], one["end"]] for one in told] == found["segment_time"].tolist()
     assert len(found["answers"]) > len(found["segment_answer"])
     assert float(found["segment_time"][-1, 1]) == pytest.approx(4.5)
 

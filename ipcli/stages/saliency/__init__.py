@@ -1,0 +1,1 @@
+"""Saliency (thesis 3.3 to 3.5)."""

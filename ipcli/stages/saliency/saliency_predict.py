@@ -1,0 +1,156 @@
+"""saliency-predict: pictures, or a mesh or cloud -> how likely each place is looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ipcli.errors import FormatError
+from ipcli.executor import map_items
+from ipcli.io.files import h5, images, ply
+from ipcli.io.meshes import mesh
+from ipcli.models.saliency import image_model, vertex_model
+from ipcli.models.saliency.channels import shrunk
+from ipcli.models.saliency.learning import Predictor
+from ipcli.models.saliency.vertex_features import vertex_normals
+from ipcli.params import Run
+from ipcli.progress import Progress, silent
+from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
+from ipcli.stages.kit.pages import page
+from ipcli.stages.saliency.parameters import SaliencyPredict
+
+KIND = "saliency-maps"
+FEWEST = 100  # points of a surface
+PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
+
+
+def run(
+    source: Path, output: Path, model: Path | None, params: SaliencyPredict, run: Run, progress: Progress = silent
+) -> Outcome:
+    """Write the maps and beside them a page (.html) and for each picture its map as grey levels (.NAME.png), for a
+    surface its cloud or mesh with a property `saliency` (.NAME.ply).
+    """
+    beside: dict[Path, Beside] = {}
+    if source.suffix.lower() == ".ply":
+        files = {source.stem: source}
+        beside[output.with_suffix(f".{source.stem}.ply")] = partial(write_surface, source)
+        build = partial(of_surface, source, model)
+    else:
+        files = pictures_of(source)
+        beside |= {output.with_suffix(f".{name}.png"): partial(write_map, name) for name in files}
+        build = partial(predicted, files, model, params, run, progress)
+    inputs = (*files.values(), *([model] if model else []))
+    job = Job(output, KIND, "saliency-predict", params, inputs, beside | page(output, KIND))
+    return make(job, build, run)
+
+
+def read_surface(source: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+    """Points (n, 3), unit normals (n, 3) and triangles (m, 3), if there are, of a PLY file. Raises FormatError for too
+    few points, and for a cloud without normals.
+    """
+    declared = ply.header(source).elements
+    if declared.get("face", (0, ()))[0]:
+        vertices, faces = mesh.read(source)
+        if len(vertices) >= FEWEST:
+            return vertices, vertex_normals(vertices, faces), faces
+    else:
+        cloud = ply.read(source)
+        vertices = cloud.vertices.astype(np.float64)
+        if cloud.normals is None:
+            raise FormatError(source, "a cloud without normals", expected="nx, ny, nz", fix="Estimate them first")
+        if len(vertices) >= FEWEST and np.isfinite(vertices).all():
+            length = np.linalg.norm(cloud.normals, axis=1, keepdims=True)
+            return vertices, cloud.normals / np.maximum(length, 1e-12), None
+    raise FormatError(source, "too few points, or some not finite", expected=f"{FEWEST} or more", got=len(vertices))
+
+
+def of_surface(source: Path, model: Path | None) -> dict[str, np.ndarray]:
+    """The arrays of the `saliency-maps` artefact of a mesh or cloud."""
+    vertices, normals, _ = read_surface(source)
+    known = predictor_of(model, "surfaces")
+    return {
+        "model": np.array(model.name if model else f"{vertex_model.UNTRAINED}, untrained"),
+        f"surfaces/{source.stem}/points": vertices.astype(np.float32),
+        f"surfaces/{source.stem}/normals": normals.astype(np.float32),
+        f"surfaces/{source.stem}/map": vertex_model.saliency(vertices, normals, known),
+    }
+
+
+def write_surface(source: Path, path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """The surface with its saliency as a property of each point."""
+    vertices, normals, faces = read_surface(source)
+    ply.write(
+        path,
+        vertices.astype(np.float32),
+        faces=faces,
+        normals=normals.astype(np.float32),
+        extra={"saliency": arrays[f"surfaces/{source.stem}/map"]},
+        comments=(f"ipcli saliency-predict, digest {provenance['digest']}",),
+    )
+
+
+def pictures_of(source: Path) -> dict[str, Path]:
+    """The pictures of a file or folder by the names of their maps. Raises FormatError for none."""
+    if not source.exists():
+        raise FormatError(source, "no such file or folder", fix="Check the path")
+    inside = sorted(source.iterdir()) if source.is_dir() else [source]
+    files = [path for path in inside if path.suffix.lower() in PICTURES and path.is_file()]
+    if not files:
+        raise FormatError(source, "no picture", expected=" ".join(PICTURES))
+    stems = [path.stem for path in files]
+    return {path.stem if stems.count(path.stem) == 1 else path.name: path for path in files}
+
+
+def predictor_of(model: Path | None, subject: str) -> Predictor | None:
+    """The learnt predictor of a file. Raises FormatError for one that was learnt on something else."""
+    if model is None:
+        return None
+    arrays = h5.read(model, "saliency-model").arrays
+    if str(arrays["subject"]) != subject:
+        raise FormatError(model, f"was not learnt from {subject}", got=arrays["subject"])
+    return Predictor.of(arrays)
+
+
+def predicted(
+    files: Mapping[str, Path], model: Path | None, params: SaliencyPredict, run: Run, progress: Progress
+) -> dict[str, np.ndarray]:
+    """The arrays of the `saliency-maps` artefact."""
+    known = predictor_of(model, "pictures")
+    found = map_items(partial(_of_picture, files, known, params.largest), list(files), run.executor, progress)
+    arrays = {"model": np.array(model.name if model else image_model.UNTRAINED)}
+    for name, (picture, saliency) in found.items():
+        arrays |= {f"pictures/{name}/picture": picture, f"pictures/{name}/map": saliency}
+    return arrays
+
+
+def _of_picture(
+    files: Mapping[str, Path], known: Predictor | None, largest: int, name: str
+) -> tuple[np.ndarray, np.ndarray]:
+    picture = images.read_image(files[name])
+    kept = shrunk(picture, largest) if max(picture.shape[:2]) > largest else picture
+    return kept, image_model.saliency(picture, known)
+
+
+def write_map(name: str, path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    """The map of a picture in grey levels, 255 where it is highest, at the size of the picture that is kept."""
+    shape = arrays[f"pictures/{name}/picture"].shape[:2]
+    images.write_png(path, image_model.grey(arrays[f"pictures/{name}/map"], (shape[0], shape[1])))
+
+
+def summary(output: Path) -> dict[str, Any]:
+    """The few figures a person wants, of maps that are there; of none (a dry run), the name alone."""
+    if not output.is_file():
+        return {"output": output}
+    names = h5.names(output)
+    return {
+        "maps": output,
+        "by": str(h5.read(output, KIND, lambda name: name == "model").arrays["model"]),
+    } | {
+        what: count
+        for what in ("pictures", "surfaces")
+        if (count := sum(name.startswith(what) and name.endswith("/map") for name in names))
+    }

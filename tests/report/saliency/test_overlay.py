@@ -1,0 +1,32 @@
+import numpy as np
+
+from ipcli.report.kit.pictures import from_zero
+from ipcli.report.saliency import overlay
+
+
+def test_a_picture_glows_where_its_map_is_high_and_keeps_some_light_elsewhere():
+    lit = overlay.glow(np.full((20, 40, 3), 200, np.uint8), np.array([[0.0, 4.0]]))
+    assert lit[10, 0, 0] == int(200 * overlay.DARKEST)
+    assert lit[10, -1, 0] >= 198
+
+
+def test_fixations_are_red_dots_at_their_places():
+    drawn = overlay.dotted(np.zeros((100, 200, 3), np.uint8), np.array([[0.5, 0.25]]))
+    assert tuple(drawn[25, 100]) == overlay.DOT
+    assert not drawn[75].any()
+
+
+def test_a_surface_turned_about_shows_its_other_side():
+    rng = np.random.default_rng(0)
+    normals = rng.normal(size=(4000, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    values = (normals[:, 2] > 0).astype(float)
+    scale = from_zero([values], "magma")
+    front, back = (overlay.around(normals, normals, values, scale, turn) for turn in (0, 180))
+    middle = overlay.SIDE // 2
+    assert front[middle, middle].sum() > back[middle, middle].sum()
+    assert (front[0] == overlay.BEHIND).all()
+
+
+def test_items_are_named_in_order():
+    assert overlay.items({"a/2/x": 0, "a/1/x": 0, "b/0/x": 0}, "a") == ["1", "2"]

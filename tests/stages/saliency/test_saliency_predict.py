@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+
+from ipcli.errors import FormatError
+from ipcli.io.files import h5, images, ply
+from ipcli.params import Run
+from ipcli.stages.saliency import saliency_predict
+from ipcli.stages.saliency.parameters import SaliencyPredict
+from tests.fixtures.fixation_sets import bumpy, picture
+
+
+def test_a_folder_gives_a_map_for_each_picture(tmp_path):
+    for seed in range(2):
+        images.write_png(tmp_path / "in" / f"{seed}.png", picture(seed)[0])
+    (tmp_path / "in" / "notes.txt").write_text("no picture")
+    saliency_predict.run(tmp_path / "in", tmp_path / "x.h5", None, SaliencyPredict(), Run())
+    assert {path.name for path in tmp_path.glob("x.*")} == {"x.h5", "x.html", "x.0.png", "x.1.png", "x.run.json"}
+    arrays = h5.read(tmp_path / "x.h5", "saliency-maps").arrays
+    assert arrays["pictures/1/map"].mean() == pytest.approx(1, rel=1e-4)
+    assert saliency_predict.summary(tmp_path / "x.h5")["pictures"] == 2
+
+
+def test_large_pictures_are_kept_smaller_and_two_of_one_stem_apart(tmp_path):
+    canvas = picture(0)[0]
+    for name in ("a.png", "a.jpg"):
+        images.write_png(tmp_path / name, canvas)
+    assert set(saliency_predict.pictures_of(tmp_path)) == {"a.png", "a.jpg"}
+    (tmp_path / "a.jpg").unlink()
+    saliency_predict.run(tmp_path / "a.png", tmp_path / "x.h5", None, SaliencyPredict(largest=64), Run())
+    assert h5.read(tmp_path / "x.h5", "saliency-maps").arrays["pictures/a/picture"].shape == (48, 64, 3)
+
+
+def test_a_mesh_keeps_its_triangles_and_gets_normals(tmp_path):
+    import trimesh
+
+    mesh = trimesh.creation.icosphere(3)
+    mesh.vertices[0] *= 1.5
+    mesh.export(tmp_path / "m.ply")
+    saliency_predict.run(tmp_path / "m.ply", tmp_path / "x.h5", None, SaliencyPredict(), Run())
+    made = ply.read(tmp_path / "x.m.ply")
+    assert made.faces is not None
+    assert made.extra["saliency"].argmax() in mesh.vertex_neighbors[0] + [0]
+
+
+def test_what_cannot_be_predicted_on_is_refused(tmp_path):
+    points = bumpy(0)[0].astype(np.float32)
+    ply.write(tmp_path / "cloud.ply", points)
+    ply.write(tmp_path / "few.ply", points[:5], normals=points[:5])
+    for name, message in (("cloud.ply", "without normals"), ("few.ply", "too few"), ("none", "no such file")):
+        with pytest.raises(FormatError, match=message):
+            saliency_predict.run(tmp_path / name, tmp_path / "x.h5", None, SaliencyPredict(), Run())
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(FormatError, match="no picture"):
+        saliency_predict.pictures_of(tmp_path / "empty")
