@@ -87,6 +87,11 @@ def tosca(folder: Path, name: str) -> Animal:
     return _animal(name, vertices @ axes("z", "-y").T, faces, [TOSCA_PARTS[label] for label in labels])
 
 
+def rigged(name: str, vertices: np.ndarray, faces: np.ndarray, parts: list[str]) -> Animal:
+    """A posed rig (up y, forward z)."""
+    return _animal(name, vertices @ axes("y", "z").T, faces, parts)
+
+
 def axes(up: str, forward: str) -> np.ndarray:
     """Rotation (3, 3) to x forward, y left, z up from axes such as "y" and "-x"."""
     x, z = (_axis(word) for word in (forward, up))
@@ -119,10 +124,15 @@ def _parent(part: str, present: list[str]) -> int:
     return present.index(parent) if parent else -1
 
 
-def generated() -> Animal:
+def two_poses() -> tuple[Animal, Animal]:
+    """The generated animal, walking and standing."""
+    return generated("walking"), generated()
+
+
+def generated(pose: str = "standing") -> Animal:
     """A small four-legged animal of round limbs, for a quick look."""
     from ipcli.models.animal.limbs import four_legged
 
-    vertices, faces, labels, tree = four_legged()
+    vertices, faces, labels, tree = four_legged(pose)
     vertices = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     return Animal("generated", vertices / np.linalg.norm(np.ptp(vertices, axis=0)), faces, labels, tree)

@@ -25,7 +25,7 @@ SECONDS = (30.0, 10.0)  # a model
 DEGREES = (5.0, 0.9)  # a camera, and in what share
 THESIS = {"cat": 0.012, "dog": 0.012, "cow": 0.030, "giraffe": 0.018, "horse": 0.021}  # table 6.2, other meshes
 NOISES = (1.5,)
-QUICK = Modelling(Inflation(triangles=300), Volume(voxels=48))
+QUICK = Modelling(inflation=Inflation(triangles=300), volume=Volume(voxels=48))
 
 
 def animals(given: argparse.Namespace) -> list[meshes.Animal]:

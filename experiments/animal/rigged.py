@@ -37,7 +37,7 @@ class Rig:
         start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
         stride = view.get("byteStride", kind.itemsize * width)
         rows = np.ndarray((accessor["count"], width), kind, self.binary, start, (stride, kind.itemsize))
-        return rows.astype(np.float64) / (np.iinfo(kind).max if accessor.get("normalized") else 1)
+        return rows.astype(np.float64) / (float(2 ** (8 * kind.itemsize) - 1) if accessor.get("normalized") else 1.0)
 
     def pose(self, clip: str | None, share: float) -> list[np.ndarray]:
         """World matrices (4, 4) of all nodes at a share in [0, 1] of a clip; None: as modelled."""
@@ -69,7 +69,9 @@ class Rig:
     def posed(self, clip: str | None = None, share: float = 0.0) -> tuple[np.ndarray, np.ndarray, list[str]]:
         """Vertices (n, 3), faces (m, 3) and the name of the part of each face."""
         worlds = self.pose(clip, share)
-        vertices, faces, parts = [], [], []
+        vertices: list[np.ndarray] = []
+        faces: list[np.ndarray] = []
+        parts: list[str] = []
         for node in self.nodes:
             if "mesh" not in node or "skin" not in node:
                 continue
@@ -87,7 +89,7 @@ class Rig:
                 names = np.unique(named)
                 shares = np.stack([(weights * (named[joints] == name)).sum(axis=1) for name in names], axis=1)
                 parts += names[shares[corners].sum(axis=1).argmax(axis=1)].tolist()
-                faces.append(corners + sum(map(len, vertices)))
+                faces.append(corners + sum(len(block) for block in vertices))
                 vertices.append(np.einsum("vab,vb->va", blended, at)[:, :3])
         return np.concatenate(vertices), np.concatenate(faces), parts
 

@@ -15,7 +15,7 @@ masks = "left.png"              # index PNG, folder of one PNG a part, LabelMe .
 view = "left"                   # left right front back top bottom; leave it out when it is not known
 # labels = ["torso", "head"]    # what the values 1, 2, ... of an index PNG mean; the order of [parts] if not given
 # picture = "left.jpg"          # shown on the page
-# pose = "other"                # not in the reference pose: gives shape, not place
+# pose = "other"                # not in the reference pose: a model of it is bent into the reference pose
 # aspects = ["head"]            # parts that take their shape from here; all if not given
 # rename = { lfleg = "leg" }    # names in the masks -> names of parts; "" drops a part
 # object = 0                    # number of the object in a PASCAL-Part file

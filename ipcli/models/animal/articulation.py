@@ -1,8 +1,9 @@
-"""A body that bends: a model of an animal cut into rigid segments at its joints, posed, and skinned (thesis 6.3, where
-aspects may come from images of another pose).
+"""A body that bends: a model of an animal cut into rigid segments at its joints, posed, and skinned.
 
-Each part is a segment, or a chain of them where it is long; the torso is two. A pose turns every segment about the joint
-to its parent. Skinning blends the turns of neighbouring segments over their joint, so that the surface stays whole.
+The thesis (6.3) lets aspects come from images of another pose.
+
+Each part is a segment, or a chain of them where it is long; the torso is two. A pose turns every segment about the
+joint to its parent. Skinning blends the turns of neighbouring segments, so that the surface stays whole.
 """
 
 from __future__ import annotations
@@ -115,7 +116,9 @@ def jointed(vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray, tree
     areas = triangle_areas(vertices, faces)
     order = [k for k in tree.downwards() if (part == k).sum() > 3]
     segment = np.full(len(vertices), NONE)
-    parts, parents, joints = [], [], []
+    parts: list[int] = []
+    parents: list[int] = []
+    joints: list[np.ndarray] = []
     for k in order:
         own = np.flatnonzero(part == k)
         ancestor = _ancestor(k, order, tree)
@@ -146,7 +149,7 @@ def vertex_parts(count: int, faces: np.ndarray, face_part: np.ndarray, parts: in
 
 
 def in_one_piece(part: np.ndarray, graph) -> np.ndarray:
-    """Parts (n,) of vertices of which each is its largest blob; islands take the part of the nearest one, over edges."""
+    """Parts (n,) of vertices without islands: each keeps its largest blob, the rest takes the nearest part."""
     from scipy.sparse.csgraph import connected_components, dijkstra
 
     kept = np.zeros(len(part), bool)
@@ -210,8 +213,9 @@ def _meeting(vertices: np.ndarray, graph, own: np.ndarray, other: np.ndarray) ->
 
 
 def _pieces(graph, own: np.ndarray, start: np.ndarray, most: int, area: float) -> np.ndarray:
-    """The piece (len(own),) of each vertex of a part: slices of equal length along the surface from `start`; a part that
-    is not long compared with its radius is one piece.
+    """The piece (len(own),) of each vertex of a part: slices of equal length along the surface from `start`.
+
+    A part that is not long compared with its radius is one piece.
     """
     from scipy.sparse.csgraph import dijkstra
 
@@ -221,7 +225,7 @@ def _pieces(graph, own: np.ndarray, start: np.ndarray, most: int, area: float) -
     reached = np.isfinite(away)
     length = float(away[reached].max())
     away[~reached] = length / 2
-    if most == LIMB and length < ELONGATED * area / (2 * np.pi * length):  # the radius of a tube of that area
+    if length == 0 or (most == LIMB and length < ELONGATED * area / (2 * np.pi * length)):  # a tube's radius
         return np.zeros(len(own), int)
     return np.minimum((most * away / max(length, 1e-12)).astype(int), most - 1)
 
@@ -254,7 +258,7 @@ def _filled(vertices: np.ndarray, segment: np.ndarray) -> np.ndarray:
 
 
 def skin_weights(body: Body) -> np.ndarray:
-    """(n, s): one-hot segments diffused over the surface as far as joints are wide (implicit step of the heat equation)."""
+    """(n, s): one-hot segments diffused over the surface as far as joints are wide (one implicit step of heat flow)."""
     import igl
     from scipy.sparse import csc_array
     from scipy.sparse.linalg import splu

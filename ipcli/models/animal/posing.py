@@ -24,15 +24,12 @@ POINTS, LEAST_POINTS = 2000, 40  # of the whole surface, and of a segment
 PIXELS = 80  # of the rim of a part in an image, and of all of it
 DIRECTIONS = 220  # tried for each part
 TWISTS = (0.0, -0.6, 0.6)  # radians about them, for parts that are not long
+STUMP = 1e-3  # of the size: a part whose middle is nearer to its joint has no direction
 KEPT = 5  # candidates that are refined
 SLACK = 0.004  # of the size: errors below it do not pull
 ROBUST = (0.06, 0.02)  # of the size, beyond which errors count less and less: first and last
 COVER = 3.0  # weight of pixels that ask for a point
-BENDS = (
-    0.003,
-    0.001,
-)  # of the size a radian: what bending a joint costs; the pose that looks more like the images is kept
-STRETCH = 0.3  # of the size for a change of scale by e
+BENDS = (0.003, 0.001)  # of the size a radian: what bending a joint costs; both are tried
 ROUNDS, STEPS = 6, 12  # of looking which points are seen, and of Gauss-Newton in each
 PLACED = (0, 2)  # rounds before which parts are placed one by one
 ALONE_STEPS = 10  # of Gauss-Newton for one part
@@ -182,28 +179,29 @@ class Fitting:
         rotations, joints = pose.motions(body)
         parent = np.eye(3) if body.parent[first] == NONE else rotations[body.parent[first]]
         arm = own.points.mean(axis=0) - body.joint[first]
-        axis = arm / max(np.linalg.norm(arm), 1e-12)
+        if np.linalg.norm(arm) < STUMP * self.size:
+            return pose  # no direction to turn
+        axis = arm / np.linalg.norm(arm)
         directions = [parent @ axis, *fibonacci(DIRECTIONS)]
         if part in rough.part:
             told = rough.vertices[rough.part[rough.segment] == part].mean(axis=0) - rough.joint[_first(rough, part)]
-            directions.insert(0, told / max(np.linalg.norm(told), 1e-12))
+            if np.linalg.norm(told) > STUMP * self.size:
+                directions.insert(0, told / np.linalg.norm(told))
         is_long = (body.part == part).sum() > 1
         tried = [
             lie.exp(twist * np.asarray(d)) @ _between(parent @ axis, np.asarray(d)) @ parent
             for d in directions
             for twist in ((0.0,) if is_long else TWISTS)
         ]
-        costs = [
-            self.cost(joints[first] + pose.scale * (own.points - body.joint[first]) @ r.T, own.part) for r in tried
-        ]
-        costs = np.array(costs) + self.bend * np.array([lie.angle(parent, r) for r in tried]) * len(self.targets) * 0.5
+        lost = [self.cost(joints[first] + pose.scale * (own.points - body.joint[first]) @ r.T, own.part) for r in tried]
+        costs = np.array(lost) + self.bend * np.array([lie.angle(parent, r) for r in tried]) * len(self.targets) * 0.5
         found = [self.refined(pose, own, body.part == part, ALONE_STEPS)]
         for k in np.argsort(costs)[:KEPT]:
             turns = pose.turns.copy()
             turns[first] = parent.T @ tried[k]
             found.append(self.refined(replace(pose, turns=turns), own, body.part == part, ALONE_STEPS))
-        lost = [self.cost(p.rigid(body, own.points, own.segment), own.part) + self.bending(p) for p in found]
-        return found[int(np.argmin(lost))]
+        left = [self.cost(p.rigid(body, own.points, own.segment), own.part) + self.bending(p) for p in found]
+        return found[int(np.argmin(left))]
 
     def bending(self, pose: Pose) -> float:
         """What the bends of a pose cost, over the size."""
@@ -302,7 +300,7 @@ class Fitting:
         return np.concatenate(blocks, axis=2)
 
     def _errors(self, target: Target, points: np.ndarray, part: np.ndarray, look: np.ndarray):
-        """Kinds of errors: (rows of points, their slopes (m, 3) against points in sizes), errors (m,) in sizes, weight."""
+        """Kinds of errors: (rows of points, slopes (m, 3) against them), errors (m,), weight; all in sizes."""
         camera = target.camera
         at = camera.project(points)
         unit = 1 / (camera.scale * self.size)
@@ -343,7 +341,7 @@ def _soft(errors: np.ndarray) -> np.ndarray:
 
 
 def _sample(picture: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A picture of distances (h, w) at pixels (n, 2): values (n,) and slopes (n, 2); farther by what lies beyond it."""
+    """A picture of distances (h, w) at pixels (n, 2): values (n,) and slopes (n, 2), growing beyond its border."""
     high = np.array([picture.shape[1] - 1.001, picture.shape[0] - 1.001])
     within = np.clip(at, 0.0, high)
     low = within.astype(int)

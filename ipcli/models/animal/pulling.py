@@ -76,15 +76,23 @@ def _ask(
     at = camera.project(vertices)
     grazing = np.abs(normals @ camera.direction) < GRAZING
     reach = REACH * size * camera.scale
+    facing = normals @ camera.rotation[:2].T
+    facing /= np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-9)
+
+    def across(which: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Steps (m, 2) in pixels as displacements (m, 3) along the rim's normals: along the rim nothing is known."""
+        told_by = (step * facing[which]).sum(axis=1, keepdims=True) * facing[which]
+        return told_by / camera.scale @ camera.rotation[:2]
+
     for k, outline in outlines.items():
         rim = np.flatnonzero(grazing & (part == k))
         if not len(rim):
             continue
         away, nearest = cKDTree(at[rim]).query(outline, distance_upper_bound=reach)
         near = np.isfinite(away)
-        step = (outline[near] - at[rim[nearest[near]]]) / camera.scale
-        np.add.at(wanted, rim[nearest[near]], step @ camera.rotation[:2])
-        np.add.at(told, rim[nearest[near]], 1.0)
+        asked = rim[nearest[near]]
+        np.add.at(wanted, asked, across(asked, outline[near] - at[asked]))
+        np.add.at(told, asked, 1.0)
     every = np.concatenate(list(outlines.values()))
     column, row = np.rint(at).astype(int).T
     column, row = np.clip(column, 0, image.labels.shape[1] - 1), np.clip(row, 0, image.labels.shape[0] - 1)
@@ -92,9 +100,9 @@ def _ask(
     if len(outside):
         away, nearest = cKDTree(every).query(at[outside], distance_upper_bound=reach)
         near = np.isfinite(away)
-        step = (every[nearest[near]] - at[outside[near]]) / camera.scale
-        wanted[outside[near]] += step @ camera.rotation[:2]
-        told[outside[near]] += 1.0
+        asked = outside[near]
+        wanted[asked] += across(asked, every[nearest[near]] - at[asked])
+        told[asked] += 1.0
 
 
 def _smoothly(

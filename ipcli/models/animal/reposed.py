@@ -68,8 +68,9 @@ def reposed(
 def fields_of(
     vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray, grid: VoxelGrid, parts: int
 ) -> list[np.ndarray]:
-    """The field (nx, ny, nz) float32, in voxels, of each part of a labelled closed mesh, which may cut itself: inside is
-    what the surface winds around; each point belongs to the part of the nearest face.
+    """The field (nx, ny, nz) float32, in voxels, of each part of a labelled closed mesh, which may cut itself.
+
+    Inside is what the surface winds around; each point belongs to the part of the nearest face.
     """
     import igl
 
