@@ -21,7 +21,7 @@ BLEND = 0.6  # radii of a joint over which the turns of its two segments are ble
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class JointedBody:
     """A closed mesh, vertices (n, 3) and faces (m, 3), with the part of each face (m,), cut into s segments.
 
     `segment` (n,) is that of each vertex; `part` (s,) the part that a segment belongs to; `parent` (s,) the segment it
@@ -55,7 +55,7 @@ class Body:
 
 
 @dataclass(frozen=True, eq=False)
-class Pose:
+class Posture:
     """Turn (s, 3, 3) of each segment against its parent (of the root against the world), place (3,) of the root's joint
     in the world, and scale.
     """
@@ -65,11 +65,11 @@ class Pose:
     scale: float = 1.0
 
     @classmethod
-    def rest(cls, body: Body) -> Pose:
+    def rest(cls, body: JointedBody) -> Posture:
         """As the body was modelled."""
         return cls(np.tile(np.eye(3), (len(body), 1, 1)), body.joint[0].copy())
 
-    def motions(self, body: Body) -> tuple[np.ndarray, np.ndarray]:
+    def motions(self, body: JointedBody) -> tuple[np.ndarray, np.ndarray]:
         """Rotation (s, 3, 3) and new joint (s, 3) of each segment in the world."""
         rotations, joints = np.empty_like(self.turns), np.empty((len(body), 3))
         for k, parent in enumerate(body.parent):
@@ -81,20 +81,20 @@ class Pose:
                 joints[k] = joints[parent] + self.scale * rotations[parent] @ arm
         return rotations, joints
 
-    def turned(self, body: Body, vectors: np.ndarray, shift: np.ndarray, log_scale: float) -> Pose:
+    def turned(self, body: JointedBody, vectors: np.ndarray, shift: np.ndarray, log_scale: float) -> Posture:
         """The pose after small turns (s, 3), about world axes, of every segment with all that hangs on it."""
         rotations, _ = self.motions(body)
         above = [np.eye(3) if parent == NONE else rotations[parent] for parent in body.parent]
         local = np.einsum("sba,sb->sa", np.array(above), vectors)
-        return Pose(lie.exp(local) @ self.turns, self.place + shift, self.scale * float(np.exp(log_scale)))
+        return Posture(lie.exp(local) @ self.turns, self.place + shift, self.scale * float(np.exp(log_scale)))
 
-    def rigid(self, body: Body, points: np.ndarray, segment: np.ndarray) -> np.ndarray:
+    def rigid(self, body: JointedBody, points: np.ndarray, segment: np.ndarray) -> np.ndarray:
         """Where points (n, 3) of the body go that move with one segment (n,) each."""
         rotations, joints = self.motions(body)
         arms = points - body.joint[segment]
         return joints[segment] + self.scale * np.einsum("nab,nb->na", rotations[segment], arms)
 
-    def skinned(self, body: Body) -> np.ndarray:
+    def skinned(self, body: JointedBody) -> np.ndarray:
         """All vertices (n, 3), blended over the joints."""
         rotations, joints = self.motions(body)
         moved = np.zeros_like(body.vertices)
@@ -104,7 +104,7 @@ class Pose:
         return moved
 
 
-def jointed(vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray, tree: PartTree) -> Body:
+def jointed(vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray, tree: PartTree) -> JointedBody:
     """Cut a labelled closed mesh into segments. Parts that have no face get none, what hangs on them hangs on the next.
 
     The joint of two parts is the middle of the line along which they meet, or of their nearest points.
@@ -137,7 +137,9 @@ def jointed(vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray, tree
             parts.append(k)
             joints.append(at)
     segment = _filled(vertices, segment)
-    body = Body(vertices, faces, face_part, segment, np.array(parts), np.array(parents), np.array(joints), np.empty(0))
+    body = JointedBody(
+        vertices, faces, face_part, segment, np.array(parts), np.array(parents), np.array(joints), np.empty(0)
+    )
     return replace(body, weights=skin_weights(body))
 
 
@@ -257,7 +259,7 @@ def _filled(vertices: np.ndarray, segment: np.ndarray) -> np.ndarray:
     return segment
 
 
-def skin_weights(body: Body) -> np.ndarray:
+def skin_weights(body: JointedBody) -> np.ndarray:
     """(n, s): one-hot segments diffused over the surface as far as joints are wide (one implicit step of heat flow)."""
     import igl
     from scipy.sparse import csc_array
@@ -273,7 +275,7 @@ def skin_weights(body: Body) -> np.ndarray:
     return weights / weights.sum(axis=1, keepdims=True)
 
 
-def _joint_radius(body: Body) -> float:
+def _joint_radius(body: JointedBody) -> float:
     """Median distance of the vertices beside a seam from its joint."""
     ends = np.sort(body.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     first, second = body.segment[ends[:, 0]], body.segment[ends[:, 1]]

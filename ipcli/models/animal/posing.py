@@ -17,7 +17,7 @@ from ipcli.geometry.orthographic import Orthographic, fibonacci
 from ipcli.geometry.part_masks import first_faces, render
 from ipcli.geometry.voxels import signed_distance
 from ipcli.measurements.part_images import NONE, PartImage
-from ipcli.models.animal.articulation import Body, Pose
+from ipcli.models.animal.articulation import JointedBody, Posture
 from ipcli.models.animal.whole import overlap
 
 POINTS, LEAST_POINTS = 2000, 40  # of the whole surface, and of a segment
@@ -76,7 +76,7 @@ class Samples:
         return Samples(self.points[own], self.segment[own], self.part[own], self.vertex[own])
 
 
-def samples_of(body: Body, rng: np.random.Generator) -> Samples:
+def samples_of(body: JointedBody, rng: np.random.Generator) -> Samples:
     """About so many vertices, of each segment as its share of the surface is."""
     counts = np.bincount(body.segment, minlength=len(body))
     wanted = np.maximum(np.ceil(POINTS * counts / counts.sum()).astype(int), LEAST_POINTS)
@@ -87,7 +87,9 @@ def samples_of(body: Body, rng: np.random.Generator) -> Samples:
     return Samples(body.vertices[chosen], segment, body.part[segment], chosen)
 
 
-def fit(body: Body, rough: Body, images: Sequence[PartImage], cameras: Sequence[Orthographic], seed: int = 0) -> Pose:
+def fit(
+    body: JointedBody, rough: JointedBody, images: Sequence[PartImage], cameras: Sequence[Orthographic], seed: int = 0
+) -> Posture:
     """The pose of `body` in which it looks like images (with cameras) of another pose.
 
     `rough` is a model made of these images alone: its joints and limbs give the pose to begin with, and its size the
@@ -100,7 +102,7 @@ def fit(body: Body, rough: Body, images: Sequence[PartImage], cameras: Sequence[
     return max(poses, key=lambda pose: likeness(pose.skinned(body), body, images, cameras))
 
 
-def _fitted(fitting: Fitting, samples: Samples, rough: Body) -> Pose:
+def _fitted(fitting: Fitting, samples: Samples, rough: JointedBody) -> Posture:
     """The pose that one cost of bending gives: the root first, then part by part down the tree, then all at once."""
     body = fitting.body
     root = body.part[0]
@@ -116,7 +118,9 @@ def _fitted(fitting: Fitting, samples: Samples, rough: Body) -> Pose:
     return pose
 
 
-def likeness(vertices: np.ndarray, body: Body, images: Sequence[PartImage], cameras: Sequence[Orthographic]) -> float:
+def likeness(
+    vertices: np.ndarray, body: JointedBody, images: Sequence[PartImage], cameras: Sequence[Orthographic]
+) -> float:
     """The mean overlap in [0, 1] of a body, with its vertices (n, 3) moved, with the labels of the images."""
     shares = []
     for image, camera in zip(images, cameras, strict=True):
@@ -125,7 +129,7 @@ def likeness(vertices: np.ndarray, body: Body, images: Sequence[PartImage], came
     return float(np.mean(shares))
 
 
-def first_pose(body: Body, rough: Body) -> Pose:
+def first_pose(body: JointedBody, rough: JointedBody) -> Posture:
     """The similarity that carries the joints of a body to those of another with the same parts."""
     pairs = [(_first(body, part), _first(rough, part)) for part in set(body.part.tolist()) & set(rough.part.tolist())]
     here = np.array([body.joint[k] for k, _ in pairs])
@@ -137,14 +141,14 @@ def first_pose(body: Body, rough: Body) -> Pose:
     turns = np.tile(np.eye(3), (len(body), 1, 1))
     turns[0] = rotation
     place = there.mean(axis=0) + scale * rotation @ (body.joint[0] - here.mean(axis=0))
-    return Pose(turns, place, scale)
+    return Posture(turns, place, scale)
 
 
-def _first(body: Body, part: int) -> int:
+def _first(body: JointedBody, part: int) -> int:
     return int(np.flatnonzero(body.part == part)[0])
 
 
-def _volume(body: Body) -> float:
+def _volume(body: JointedBody) -> float:
     a, b, c = (body.vertices[body.faces[:, k]] for k in range(3))
     return float(abs(np.einsum("na,na->", a, np.cross(b, c))) / 6)
 
@@ -153,13 +157,13 @@ def _volume(body: Body) -> float:
 class Fitting:
     """A body, the images it is to look like, and the length that errors are measured by."""
 
-    body: Body
+    body: JointedBody
     targets: Sequence[Target]
     size: float
     bend: float = BENDS[0]
     robust: float = ROBUST[0]
 
-    def visible(self, pose: Pose, samples: Samples) -> np.ndarray:
+    def visible(self, pose: Posture, samples: Samples) -> np.ndarray:
         """Whether each image sees each sample (images, n) in this pose."""
         vertices = pose.skinned(self.body)
         seen = []
@@ -171,7 +175,7 @@ class Fitting:
             seen.append(~(behind > 0.02 * self.size))
         return np.array(seen)
 
-    def placed(self, pose: Pose, samples: Samples, part: int, rough: Body) -> Pose:
+    def placed(self, pose: Posture, samples: Samples, part: int, rough: JointedBody) -> Posture:
         """The pose with one part turned so that it fits best, tried in all directions."""
         body = self.body
         first = _first(body, part)
@@ -203,7 +207,7 @@ class Fitting:
         left = [self.cost(p.rigid(body, own.points, own.segment), own.part) + self.bending(p) for p in found]
         return found[int(np.argmin(left))]
 
-    def bending(self, pose: Pose) -> float:
+    def bending(self, pose: Posture) -> float:
         """What the bends of a pose cost, over the size."""
         return float(self.bend * np.sqrt((lie.angle(np.eye(3), pose.turns[1:]) ** 2).mean()))
 
@@ -223,13 +227,13 @@ class Fitting:
 
     def refined(
         self,
-        pose: Pose,
+        pose: Posture,
         samples: Samples,
         free: np.ndarray,
         steps: int,
         is_free: bool = False,
         seen: np.ndarray | None = None,
-    ) -> Pose:
+    ) -> Posture:
         """Gauss-Newton on the turns of the `free` segments (s,) bool and, with `is_free`, place and scale."""
         damping = 1e-3
         points = pose.rigid(self.body, samples.points, samples.segment)
@@ -249,7 +253,7 @@ class Fitting:
                 break
         return pose
 
-    def _stepped(self, pose: Pose, step: np.ndarray, free: np.ndarray, is_free: bool) -> Pose:
+    def _stepped(self, pose: Posture, step: np.ndarray, free: np.ndarray, is_free: bool) -> Posture:
         vectors = np.zeros((len(self.body), 3))
         count = 3 * int(free.sum())
         vectors[free] = step[:count].reshape(-1, 3)
@@ -259,7 +263,13 @@ class Fitting:
         return pose.turned(self.body, vectors, shift, float(np.clip(log_scale, -0.2, 0.2)))
 
     def _system(
-        self, pose: Pose, samples: Samples, points: np.ndarray, free: np.ndarray, is_free: bool, seen: np.ndarray | None
+        self,
+        pose: Posture,
+        samples: Samples,
+        points: np.ndarray,
+        free: np.ndarray,
+        is_free: bool,
+        seen: np.ndarray | None,
     ) -> tuple[np.ndarray, np.ndarray, float]:
         """Normal equations and value of the robust sum of squares around a pose."""
         slopes = self._slopes(pose, samples, points, free, is_free)
@@ -286,7 +296,9 @@ class Fitting:
             matrix[-1, -1] += 1e-6
         return matrix, gradient, value
 
-    def _slopes(self, pose: Pose, samples: Samples, points: np.ndarray, free: np.ndarray, is_free: bool) -> np.ndarray:
+    def _slopes(
+        self, pose: Posture, samples: Samples, points: np.ndarray, free: np.ndarray, is_free: bool
+    ) -> np.ndarray:
         """How points (n, 3) move with the unknowns (n, 3, c), in sizes."""
         _, joints = pose.motions(self.body)
         below = self.body.below()

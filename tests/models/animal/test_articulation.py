@@ -3,7 +3,7 @@ import pytest
 
 from ipcli.geometry import lie
 from ipcli.models.animal import articulation
-from ipcli.models.animal.articulation import Pose, jointed
+from ipcli.models.animal.articulation import Posture, jointed
 from ipcli.models.animal.limbs import TREE, four_legged
 
 
@@ -14,10 +14,10 @@ def body():
 
 
 def turned(body, part, vector):
-    pose = Pose.rest(body)
+    pose = Posture.rest(body)
     turns = pose.turns.copy()
     turns[np.flatnonzero(body.part == part)[0]] = lie.exp(np.asarray(vector))
-    return Pose(turns, pose.place)
+    return Posture(turns, pose.place)
 
 
 def test_segments_follow_the_tree_and_weights_add_up(body):
@@ -32,12 +32,12 @@ def test_segments_follow_the_tree_and_weights_add_up(body):
 
 
 def test_the_rest_pose_moves_nothing_and_a_similarity_moves_all_alike(body):
-    np.testing.assert_allclose(Pose.rest(body).skinned(body), body.vertices, atol=1e-12)
+    np.testing.assert_allclose(Posture.rest(body).skinned(body), body.vertices, atol=1e-12)
     rotation = lie.exp(np.array([0.2, -0.4, 0.3]))
-    pose = Pose.rest(body)
+    pose = Posture.rest(body)
     turns = pose.turns.copy()
     turns[0] = rotation
-    moved = Pose(turns, np.array([1.0, 2.0, 3.0]), 1.5).skinned(body)
+    moved = Posture(turns, np.array([1.0, 2.0, 3.0]), 1.5).skinned(body)
     expected = [1.0, 2.0, 3.0] + 1.5 * (body.vertices - body.joint[0]) @ rotation.T
     np.testing.assert_allclose(moved, expected, atol=1e-12)
 

@@ -8,7 +8,7 @@ from ipcli.geometry.orthographic import named
 from ipcli.geometry.part_masks import framed, render
 from ipcli.measurements.part_images import PartImage
 from ipcli.models.animal import posing
-from ipcli.models.animal.articulation import Pose, jointed
+from ipcli.models.animal.articulation import Posture, jointed
 from ipcli.models.animal.limbs import TREE, four_legged
 
 
@@ -35,7 +35,7 @@ def test_the_gradient_is_the_slope_of_the_value(body):
     samples = posing.samples_of(body, rng)
     fitting = posing.Fitting(body, targets, body.size, robust=0.05)
     free = np.ones(len(body), bool)
-    start = Pose.rest(body).turned(body, 0.1 * rng.normal(size=(len(body), 3)), np.array([0.05, 0.02, -0.03]), 0.05)
+    start = Posture.rest(body).turned(body, 0.1 * rng.normal(size=(len(body), 3)), np.array([0.05, 0.02, -0.03]), 0.05)
 
     def system(pose):
         points = pose.rigid(body, samples.points, samples.segment)
@@ -55,7 +55,7 @@ def test_the_gradient_is_the_slope_of_the_value(body):
 def test_a_bent_body_is_found_in_its_images(body):
     """Head and one leg were turned: both are found again, and the rest stays."""
     leg, head = (np.flatnonzero(body.part == TREE.names.index(name))[0] for name in ("front_leg_L", "head"))
-    truth = Pose.rest(body)
+    truth = Posture.rest(body)
     turns = truth.turns.copy()
     turns[leg], turns[head] = lie.exp(np.array([0, 0.6, 0.0])), lie.exp(np.array([0, 0.0, 0.4]))
     truth = replace(truth, turns=turns)
