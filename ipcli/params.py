@@ -29,6 +29,7 @@ from ipcli.errors import ParameterError, nearest
 
 ENVIRONMENT = "IPCLI_"
 NOT_PARAMETERS = ("IPCLI_THREADS", "IPCLI_SEED", "IPCLI_EXECUTOR", "IPCLI_DATA")
+SHIPPED = Path(__file__).parent / "configs"  # COMMAND/NAME.toml
 TRUTH = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
 
 
@@ -146,6 +147,26 @@ def _changed(defaults: Any, values: Mapping[str, Any], prefix: str) -> Any:
         elif key in values:
             arguments[field.name] = values[key]
     return dataclasses.replace(defaults, **arguments)
+
+
+def find_config(given: Path, command: str) -> Path:
+    """The file of `--config`: the file of that path, or the shipped configuration NAME of `command`, or COMMAND/NAME.
+
+    Raises ParameterError, which lists what is shipped, when a bare name is neither. Any other path is left to
+    `resolve`, to read or to complain of.
+    """
+    if given.is_file() or given.suffix or given.is_absolute() or len(given.parts) > 2:
+        return given
+    shipped = {path.relative_to(SHIPPED).with_suffix("").as_posix(): path for path in SHIPPED.glob("*/*.toml")}
+    found = shipped.get(given.as_posix()) or shipped.get(f"{command}/{given.as_posix()}")
+    if found is None:
+        own = sorted(name.rpartition("/")[2] for name in shipped if name.startswith(f"{command}/"))
+        names = [*own, *sorted(name for name in shipped if not name.startswith(f"{command}/"))]
+        raise ParameterError(
+            f"--config {given}: no such file, nor is a configuration of that name shipped{nearest(str(given), names)} "
+            f"Shipped: {', '.join(names)}"
+        )
+    return found
 
 
 def _from_file(path: Path, known: Mapping[str, Leaf]) -> dict[str, Any]:

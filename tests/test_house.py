@@ -319,7 +319,7 @@ def test_every_command_has_a_module_a_stage_and_a_page_of_its_name():
 
 
 def test_configurations_are_in_folders_named_after_commands():
-    folders = [path.name for path in (ROOT / "configs").iterdir() if path.is_dir()]
+    folders = [path.name for path in (PACKAGE / "configs").iterdir() if path.is_dir()]
     assert set(folders) <= set(cli.COMMANDS)
 
 
