@@ -246,9 +246,14 @@ def conclude(result: Path | Mapping[str, Any], run: Run, *, with_figures: bool =
         click.echo(str(facts["output"]))
         for key, value in facts.items():
             if with_figures and key != "output":
-                click.echo(f"{key.replace('_', ' ')}: {value}")
+                click.echo(f"{key.replace('_', ' ')}: {_told(value)}")
     else:
-        click.echo("\n".join(f"{key}: {value}" for key, value in facts.items()))
+        click.echo("\n".join(f"{key}: {_told(value)}" for key, value in facts.items()))
+
+
+def _told(value: Any) -> str:
+    """A figure in words; of several by name `front 0.91, side 0.88`."""
+    return ", ".join(f"{name} {item}" for name, item in value.items()) if isinstance(value, Mapping) else str(value)
 
 
 def _jsonable(value: Any) -> Any:

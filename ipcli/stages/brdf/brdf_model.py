@@ -202,7 +202,7 @@ def summary(output: Path) -> dict[str, Any]:
     if not output.is_file():
         return {"output": output}
     arrays = h5.read(output, "brdf-object", lambda name: name in SUMMARISED).arrays
-    facts: dict[str, Any] = {"object": output, "cut edge": round(float(arrays["sheet"]), 2)}
+    facts: dict[str, Any] = {"output": output, "cut edge": round(float(arrays["sheet"]), 2)}
     facts["residual"] = round(float(arrays["residual"]), 4)
     facts["settled by the picture"] = (
         "convex or concave: no, it ties" if abs(float(arrays["tie"])) < TIE else "convex or concave: yes"

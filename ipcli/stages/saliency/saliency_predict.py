@@ -147,7 +147,7 @@ def summary(output: Path) -> dict[str, Any]:
         return {"output": output}
     names = h5.names(output)
     return {
-        "maps": output,
+        "output": output,
         "by": str(h5.read(output, KIND, lambda name: name == "model").arrays["model"]),
     } | {
         what: count
