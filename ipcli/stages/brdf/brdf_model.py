@@ -72,9 +72,10 @@ def modelled(source: ObjectFiles, params: BrdfModel, progress: Progress) -> dict
     box = box_of(photo.mask)
     mask = photo.mask[box]
     if max(mask.shape) < SMALLEST:
-        raise NoSolution(f"the object is {max(mask.shape)} pixels long, and at least {SMALLEST} are needed")
+        size = max(mask.shape)
+        raise NoSolution(f"the object is {size} pixels long: give a picture of it with {SMALLEST} or more")
     if not photo.colour[box][mask].any():
-        raise NoSolution("the object is black all over")
+        raise NoSolution("the object is black all over: check that --mask is white where the object is")
     if source.normals:
         given = photographs.read_normals(source.normals, source.convention, photo.mask.shape)[box]
         made = integrated(given, photo.colour[box], mask, shelf, params.inference)

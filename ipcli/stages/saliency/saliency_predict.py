@@ -111,7 +111,8 @@ def predictor_of(model: Path | None, subject: str) -> Predictor | None:
         return None
     arrays = h5.read(model, "saliency-model").arrays
     if str(arrays["subject"]) != subject:
-        raise FormatError(model, f"was not learnt from {subject}", got=arrays["subject"])
+        fix = "Give another --model, or none"
+        raise FormatError(model, f"was not learnt from {subject}", got=arrays["subject"], fix=fix)
     return Predictor.of(arrays)
 
 
