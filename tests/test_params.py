@@ -138,7 +138,15 @@ HUGE = f"weight = {10**400}"
 
 @pytest.mark.parametrize(
     "text",
-    ["weight = true", "weight = '1'", "solver.iterations = 2.0", "alphas = 1.0", "alphas = [[1.0]]", "method = 1", HUGE],
+    [
+        "weight = true",
+        "weight = '1'",
+        "solver.iterations = 2.0",
+        "alphas = 1.0",
+        "alphas = [[1.0]]",
+        "method = 1",
+        HUGE,
+    ],
 )
 def test_toml_values_keep_their_types(tmp_path, text):
     config = tmp_path / "c.toml"
