@@ -76,7 +76,7 @@ def _attempts(attempt: Callable, items: Sequence[str], spec: str) -> Iterator[tu
     scheme, _, place = spec.partition(":")
     if spec == "serial":
         return ((name, attempt(name)) for name in items)
-    if scheme == "processes" and place.isdecimal() and int(place) > 0:
+    if scheme == "processes" and place.isdecimal() and len(place) < 5 and int(place) > 0:
         return _in_processes(attempt, items, int(place))
     if scheme == "dask":
         return _on_dask(attempt, items, place)
@@ -116,7 +116,12 @@ def _pool(workers: int) -> Iterator[Executor]:
 
 
 def _start_worker() -> None:
-    """One inner thread, and an end as soon as the parent is gone: a killed parent cannot tell its workers."""
+    """One inner thread, and an end as soon as the parent is gone: a killed parent cannot tell its workers.
+
+    Not by PR_SET_PDEATHSIG: Linux alone has it, it comes at the end of the thread that started the worker rather than
+    of the process, and a parent that died before it was asked for is missed. The thread here waits for native code
+    that keeps the interpreter to itself: such a worker ends when that returns.
+    """
     set_count(1)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

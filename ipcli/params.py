@@ -25,10 +25,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ipcli.errors import ParameterError, nearest
+from ipcli.errors import FormatError, ParameterError, nearest
 
 ENVIRONMENT = "IPCLI_"
 NOT_PARAMETERS = ("IPCLI_THREADS", "IPCLI_SEED", "IPCLI_EXECUTOR", "IPCLI_DATA")
+SHIPPED = Path(__file__).parent / "configs"  # COMMAND/NAME.toml
+MOST_INT = (1 << 63) - 1
 TRUTH = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
 
 
@@ -148,16 +150,35 @@ def _changed(defaults: Any, values: Mapping[str, Any], prefix: str) -> Any:
     return dataclasses.replace(defaults, **arguments)
 
 
+def find_config(given: Path, command: str) -> Path:
+    """The file of `--config`: the file of that path, or the shipped configuration NAME of `command`, or COMMAND/NAME.
+
+    Raises ParameterError, which lists what is shipped, when a bare name is neither. Any other path is left to
+    `resolve`, to read or to complain of.
+    """
+    if given.is_file() or given.suffix or given.is_absolute() or len(given.parts) > 2:
+        return given
+    shipped = {path.relative_to(SHIPPED).with_suffix("").as_posix(): path for path in SHIPPED.glob("*/*.toml")}
+    found = shipped.get(given.as_posix()) or shipped.get(f"{command}/{given.as_posix()}")
+    if found is None:
+        own = sorted(name.rpartition("/")[2] for name in shipped if name.startswith(f"{command}/"))
+        names = [*own, *sorted(name for name in shipped if not name.startswith(f"{command}/"))]
+        raise ParameterError(
+            f"--config {given}: no such file, nor is a configuration of that name shipped{nearest(str(given), names)} "
+            f"Shipped: {', '.join(names)}"
+        )
+    return found
+
+
 def _from_file(path: Path, known: Mapping[str, Leaf]) -> dict[str, Any]:
-    import tomllib
+    from ipcli.inputs import read_toml
 
     try:
-        tree = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{path}: not valid TOML: {error}") from error
-    entries = dict(_flatten(tree, ""))
+        entries = dict(_flatten(read_toml(path), ""))
+    except FormatError as error:
+        raise ParameterError(str(error)) from error
+    except RecursionError as error:
+        raise ParameterError(f"{path}: sections nested too deep") from error
     return {key: _accept(value, _known(key, known, str(path)), str(path)) for key, value in entries.items()}
 
 
@@ -214,7 +235,7 @@ def _accept(value: Any, leaf: Leaf, where: str) -> Any:
             parts = value.split(",") if isinstance(value, str) else value
             return tuple(_scalar(part, item, leaf.option) for part in parts)
         return _scalar(value, item, leaf.option)
-    except (TypeError, ValueError, KeyError):
+    except (TypeError, ValueError, KeyError, OverflowError):
         raise ParameterError(f"{where}: {leaf.key} = {value!r}: expected {expected(leaf)}") from None
 
 
@@ -223,6 +244,8 @@ def _scalar(value: Any, kind: Any, about: Option) -> Any:
         value = TRUTH[value.lower()] if kind is bool else kind(value)
     if kind is float and type(value) is int:
         value = float(value)
+    if kind is int and abs(value) > MOST_INT:  # which no array nor kernel takes
+        raise ValueError
     if type(value) is not kind or (kind is float and not math.isfinite(value)):
         raise TypeError
     too_low = about.low is not None and value < about.low

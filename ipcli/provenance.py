@@ -13,6 +13,7 @@ from typing import Any
 
 from ipcli import __version__, schema
 from ipcli.errors import IpcliError
+from ipcli.inputs import check_file
 
 BLOCK = 1 << 20
 LIBRARIES = ("numpy", "scipy", "numba", "h5py", "opencv-python-headless", "open3d-cpu", "open3d", "pycolmap", "trimesh")
@@ -28,6 +29,7 @@ def sha256(path: Path | Sequence[Path]) -> str:
     if path.is_dir():
         names = ((item.relative_to(path), item) for item in path.rglob("*") if item.is_file())
         return _combined((name.as_posix(), item) for name, item in names if not any(p[0] == "." for p in name.parts))
+    check_file(path)
     try:
         with path.open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()

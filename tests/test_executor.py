@@ -128,9 +128,10 @@ def test_progress_rises_to_one_and_tells_every_name(executor):
     assert {name for _, name in told} == set(NAMES[:4])
 
 
-@pytest.mark.parametrize(
-    "executor", ["", "parallel", "processes", "processes:0", "processes:-1", "processes:two", "serial:2"]
-)
+UNKNOWN = "|parallel|processes|processes:0|processes:-1|processes:two|processes:²|serial:2|processes:"
+
+
+@pytest.mark.parametrize("executor", [*UNKNOWN.split("|"), "processes:" + "9" * 5000], ids=lambda text: text[:12])
 def test_an_unknown_executor_is_a_usage_error(executor):
     with pytest.raises(ParameterError, match="expected serial, processes:N, dask or dask:ADDRESS"):
         map_items(str.upper, ["a"], executor)

@@ -19,11 +19,12 @@ import click
 import pytest
 
 from ipcli import schema
+from ipcli.cli import gaze_sfm
 from ipcli.cli import main as cli
 from tests.fixtures import house
 from tests.fixtures.house import PACKAGE, ROOT, chapter, floor, modules
 
-GROUND = {"__init__", "errors", "schema", "params", "provenance", "rng", "executor", "threads", "progress"}
+GROUND = {"__init__", "errors", "inputs", "schema", "params", "provenance", "rng", "executor", "threads", "progress"}
 MATHEMATICS = {"geometry", "kernels", "errors", "params", "rng", "threads", "progress"}
 MAY_IMPORT = {
     "kernels": {"__init__"},  # the version, for the cache; a cached kernel must not depend on another file
@@ -318,8 +319,22 @@ def test_every_command_has_a_module_a_stage_and_a_page_of_its_name():
     assert_shrinks(missing, WITHOUT_PAGE, "commands without a page in docs/")
 
 
+def test_options_that_messages_name_exist():
+    """`Give --gaze-size` is no help where no command has it."""
+    commands = [*map(cli.load, cli.COMMANDS), gaze_sfm.check]
+    options = [option for command in commands for option in command.params]
+    known = {name for option in options for name in (*option.opts, *option.secondary_opts)}
+    broken = []
+    for module in (module for module in modules() if module.floor in ("models", "stages", "io")):
+        for node in module.nodes:
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                named = set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", node.value)) - {"--help", *known}
+                broken += [f"{module.name}:{node.lineno} {name}" for name in sorted(named)]
+    assert_none(broken)
+
+
 def test_configurations_are_in_folders_named_after_commands():
-    folders = [path.name for path in (ROOT / "configs").iterdir() if path.is_dir()]
+    folders = [path.name for path in (PACKAGE / "configs").iterdir() if path.is_dir()]
     assert set(folders) <= set(cli.COMMANDS)
 
 

@@ -120,6 +120,9 @@ def test_variables_of_other_commands_and_programs_are_left_alone():
         ("method=ADMM", "one of acs, ama"),
         ("alphas=1,x", "a list of float >= 0, with commas"),
         ("levels=1.5", "a list of int, with commas or none"),
+        ("levels=" + "9" * 5000, "a list of int, with commas or none"),
+        ("levels=9223372036854775808", "a list of int, with commas or none"),
+        ("levels=²", "a list of int, with commas or none"),
         ("alphas=none", "a list of float >= 0, with commas"),
     ],
 )
@@ -130,9 +133,20 @@ def test_a_bad_value_names_key_value_and_what_is_allowed(setting, expected):
     assert str(caught.value) == f"--set: {key} = '{value}': expected {expected}"
 
 
+HUGE = f"weight = {10**400}"
+
+
 @pytest.mark.parametrize(
     "text",
-    ["weight = true", "weight = '1'", "solver.iterations = 2.0", "alphas = 1.0", "alphas = [[1.0]]", "method = 1"],
+    [
+        "weight = true",
+        "weight = '1'",
+        "solver.iterations = 2.0",
+        "alphas = 1.0",
+        "alphas = [[1.0]]",
+        "method = 1",
+        HUGE,
+    ],
 )
 def test_toml_values_keep_their_types(tmp_path, text):
     config = tmp_path / "c.toml"
@@ -157,7 +171,7 @@ EXAMPLES = st.builds(
     method=st.sampled_from(["acs", "ama"]),
     reference=st.none() | st.text("abc05.", min_size=1),
     alphas=st.lists(st.floats(0, 1e30), min_size=1).map(tuple),
-    levels=st.none() | st.lists(st.integers(), min_size=1).map(tuple),
+    levels=st.none() | st.lists(st.integers(-(1 << 63) + 1, (1 << 63) - 1), min_size=1).map(tuple),
     solver=st.builds(Solver, iterations=st.integers(1, 10_000), restart=st.booleans()),
 )
 

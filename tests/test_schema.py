@@ -154,7 +154,7 @@ def referring():
                     )
 
 
-@pytest.mark.parametrize(("kind", "name", "column", "ref", "target"), referring())
+@pytest.mark.parametrize(("kind", "name", "column", "ref", "target"), list(referring()))
 def test_what_refers_to_nothing_is_refused_when_written_and_read(kind, name, column, ref, target):
     arrays = example(kind)
     schema.validate(kind, arrays)

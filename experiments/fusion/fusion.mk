@@ -132,7 +132,7 @@ $(OBJECTS)/% $(URBAN)/% $(LIVINGROOM)/%: COMPARED = $(METHODS)
 $(OBJECTS)/% $(URBAN)/% $(LIVINGROOM)/%: MEASURE := RMSE
 $(KITTI)/%: COMPARED = $(KITTI_METHODS)
 $(KITTI)/%: MEASURE := D-avg px
-$(KITTI)/%: FLAGS := --config configs/fuse-depth/kitti.toml
+$(KITTI)/%: FLAGS := --config fuse-depth/kitti
 
 OBJECTS_TRIALS := $(OBJECTS_SCENES:%=$(OBJECTS)/%.trials.h5)
 URBAN_TRIALS := $(URBAN_SCENES:%=$(URBAN)/%.trials.h5)

@@ -24,7 +24,7 @@ HERE = Path(__file__).parent
 LEAD = (
     "aligned: the defaults of mocap-train{mirror}; single poses and unordered frames leave out how the body moves. "
     "thesis: "
-    "chapter 5 as printed (configs/mocap-train/thesis.toml). known: aligned, of people who are "
+    "chapter 5 as printed (--config mocap-train/thesis). known: aligned, of people who are "
     "among those learnt from (--spread 0)."
 )
 EXPERIMENTS = {

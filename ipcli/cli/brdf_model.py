@@ -55,4 +55,4 @@ def main(
     source = brdf_model.ObjectFiles(library, photo, mask, true_normals, true_height, convention, normals_from)
     with progress("brdf-model", run) as tell:
         brdf_model.run(source, output, params, run, tell)
-    conclude(brdf_model.summary(output), run)
+    conclude(brdf_model.summary(output), run, with_figures=True)

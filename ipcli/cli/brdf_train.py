@@ -27,4 +27,4 @@ def main(materials: Path, output: Path, params: BrdfTrain, run: Run) -> None:
 
     with progress("brdf-train", run) as tell:
         brdf_train.run(materials, output, params, run, tell)
-    conclude(output, run)
+    conclude(brdf_train.summary(output), run, with_figures=True)

@@ -37,7 +37,7 @@ def main(words: tuple[str, ...], output: Path | None, params: ModelAnimal, run: 
         made, _ = model_animal.run(Path(words[0]), output, params, run, tell)
     model = params.stop_after == "assembly" and not run.dry_run
     result = output if model else made
-    options.conclude({"output": result, **(model_animal.facts(made) if model else {})}, run)
+    options.conclude({"output": result} | (model_animal.facts(made) if model else {}), run, with_figures=True)
 
 
 def _check(meshes: tuple[str, ...], run: Run) -> None:

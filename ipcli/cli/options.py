@@ -26,7 +26,7 @@ from typing import Any, TextIO
 
 import click
 
-from ipcli.params import Leaf, Run, expected, leaves, resolve, shape
+from ipcli.params import Leaf, Run, expected, find_config, leaves, resolve, shape
 from ipcli.progress import Progress
 
 LINE_EVERY = 30.0  # seconds between lines of progress when stderr is no terminal
@@ -70,7 +70,10 @@ EXECUTOR = click.option(
 )
 PATH = click.Path(path_type=Path)  # type of every argument that is a file or folder
 CONFIG = click.option(
-    "--config", type=click.Path(path_type=Path), metavar="FILE.toml", help="Read parameters from a file."
+    "--config",
+    type=click.Path(path_type=Path),
+    metavar="FILE.toml|NAME",
+    help="Read parameters from a file, or from a shipped configuration by its name.",
 )
 SET = click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help="Set any parameter; may be repeated.")
 
@@ -112,7 +115,8 @@ def parameters(cls: type) -> Callable[[Callable], Callable]:
         def body(*, config: Path | None, sets: tuple[str, ...], **given: Any) -> Any:
             values = {leaf.key: given.pop(_variable(leaf)) for leaf in flagged}
             flags = {key: value for key, value in values.items() if value is not None}
-            params = resolve(cls, config=config, env=os.environ, sets=sets, flags=flags)
+            file = config and find_config(config, click.get_current_context().command.name or "")
+            params = resolve(cls, config=file, env=os.environ, sets=sets, flags=flags)
             return command(params=params, **given)
 
         body.__dict__.update(parameters=cls, epilog=_epilog(cls))  # where main.load and the tests find them
@@ -242,9 +246,14 @@ def conclude(result: Path | Mapping[str, Any], run: Run, *, with_figures: bool =
         click.echo(str(facts["output"]))
         for key, value in facts.items():
             if with_figures and key != "output":
-                click.echo(f"{key.replace('_', ' ')}: {value}")
+                click.echo(f"{key.replace('_', ' ')}: {_told(value)}")
     else:
-        click.echo("\n".join(f"{key}: {value}" for key, value in facts.items()))
+        click.echo("\n".join(f"{key}: {_told(value)}" for key, value in facts.items()))
+
+
+def _told(value: Any) -> str:
+    """A figure in words; of several by name `front 0.91, side 0.88`."""
+    return ", ".join(f"{name} {item}" for name, item in value.items()) if isinstance(value, Mapping) else str(value)
 
 
 def _jsonable(value: Any) -> Any:

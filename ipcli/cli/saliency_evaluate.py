@@ -26,4 +26,4 @@ def main(recorded: tuple[Path, ...], output: Path, model: Path | None, params: S
 
     with options.progress("saliency-evaluate", run) as tell:
         saliency_evaluate.run(recorded, output, model, params, run, tell)
-    options.conclude(saliency_evaluate.summary(output), run)
+    options.conclude(saliency_evaluate.summary(output), run, with_figures=True)

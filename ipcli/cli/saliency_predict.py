@@ -23,4 +23,4 @@ def main(source: Path, output: Path, model: Path | None, params: SaliencyPredict
 
     with options.progress("saliency-predict", run) as tell:
         saliency_predict.run(source, output, model, params, run, tell)
-    options.conclude(saliency_predict.summary(output), run)
+    options.conclude(saliency_predict.summary(output), run, with_figures=True)

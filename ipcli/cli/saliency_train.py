@@ -25,4 +25,4 @@ def main(recorded: tuple[Path, ...], output: Path, params: SaliencyTrain, run: R
 
     with options.progress("saliency-train", run) as tell:
         saliency_train.run(recorded, output, params, run, tell)
-    options.conclude(saliency_train.summary(output), run)
+    options.conclude(saliency_train.summary(output), run, with_figures=True)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from ipcli.errors import FormatError, ParameterError, nearest
+from ipcli.inputs import check_file
 
 Source = TypeVar("Source")
 
@@ -35,13 +36,9 @@ def open_source(
     Raises FormatError for a pipe or a device, and when no layout fits (listing what was looked for); ParameterError for
     an unknown format or a hint that the layout has no use for.
     """
-    path = Path(path)
+    path = check_file(path)
     if not path.exists():
         raise FormatError(path, "no such file or folder", fix="Check the path")
-    if not (path.is_file() or path.is_dir()):
-        raise FormatError(
-            path, "a pipe or a device, which can be read but once or has no end", fix="Give a file or folder"
-        )
     layout = _recognised(path, layouts, what, fix) if format == "auto" else _named(format, layouts)
     given = {key: value for key, value in hints.items() if value is not None}
     known = [name for name, item in inspect.signature(layout.open).parameters.items() if item.kind is item.KEYWORD_ONLY]

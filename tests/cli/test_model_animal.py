@@ -57,7 +57,9 @@ def test_other_formats(tmp_path, suffix, capsys):
     source = limbs.write_project(tmp_path / "in", longest=80)
     path = tmp_path / f"c.{suffix}"
     assert main(["model-animal", str(source), "-o", str(path), *QUICK, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["parts"] == 4
+    told = json.loads(capsys.readouterr().out)
+    assert (told["output"], told["parts"]) == (str(path), 4)
+    assert min(told["overlap"].values()) > 0.8
     assert main(["model-animal", "check", str(path)]) == 0
     assert "watertight: True" in capsys.readouterr().out
 

@@ -48,9 +48,9 @@ def test_the_command_of_a_name_is_loaded_when_it_is_asked_for():
 
 
 def test_facts_are_lines_below_the_name_of_the_output_or_one_object(capsys):
-    facts = {"output": "x.h5", "points": 3}
+    facts = {"output": "x.h5", "points": 3, "overlap": {"front": 0.91, "side": 0.88}}
     options.conclude(facts, Run(), with_figures=True)
-    assert capsys.readouterr().out == "x.h5\npoints: 3\n"
+    assert capsys.readouterr().out == "x.h5\npoints: 3\noverlap: front 0.91, side 0.88\n"
     options.conclude(facts, Run(json=True), with_figures=True)
     assert json.loads(capsys.readouterr().out) == facts
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from ipcli import schema
 from ipcli.errors import FormatError, IpcliError, VersionTooNew, VersionTooOld
+from ipcli.inputs import check_file
 from ipcli.io.files import atomic
 
 LAYOUT = ("v108", "v108")
@@ -161,7 +162,7 @@ def _opened(path: Path) -> Iterator[Any]:
     """The open file; whatever goes wrong inside becomes a FormatError of this path."""
     import h5py
 
-    if not Path(path).is_file():
+    if not check_file(path).is_file():
         raise FormatError(path, "no such file")
     try:
         # complete files are never written again, so no lock is needed, and network disks often have none

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError, IpcliError
+from ipcli.inputs import check_file
 from ipcli.io.files import atomic, npz
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -76,6 +77,7 @@ def _stored(path: Path) -> np.ndarray:
 
 
 def _bytes(path: Path) -> bytes:
+    check_file(path)
     try:
         return path.read_bytes()
     except OSError as error:
@@ -93,7 +95,7 @@ def _npy(path: Path, data: bytes) -> np.ndarray:
     stream = io.BytesIO(data)
     try:
         array = np.lib.format.read_array(stream, allow_pickle=False)
-    except (ValueError, EOFError, SyntaxError, MemoryError, OverflowError) as error:
+    except npz.UNREADABLE as error:
         raise FormatError(path, f"not a readable NPY file: {error}") from error
     if stream.tell() != len(data):
         raise FormatError(path, "bytes after the end of the array", expected=stream.tell(), got=len(data))

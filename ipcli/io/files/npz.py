@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import io
+import struct
+import tokenize
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from ipcli.errors import FormatError, IpcliError
+from ipcli.inputs import check_file
 from ipcli.io.files import atomic
+
+# all that zipfile, zlib and the header of an array, which is a Python literal, are known to raise on damaged files
+UNREADABLE = (
+    OSError, ValueError, EOFError, RuntimeError, zipfile.BadZipFile, MemoryError, zlib.error, SyntaxError,
+    OverflowError, TypeError, KeyError, struct.error, tokenize.TokenError,
+)  # fmt: skip
 
 
 def write(path: Path, arrays: Mapping[str, np.ndarray], *, durable: bool = True) -> None:
@@ -29,10 +39,11 @@ def write(path: Path, arrays: Mapping[str, np.ndarray], *, durable: bool = True)
 
 def read(path: Path) -> dict[str, np.ndarray]:
     """All arrays by name, checksums verified. FormatError for whatever is not a sound NPZ of numbers."""
+    check_file(path)
     try:
         with zipfile.ZipFile(path) as archive:
             return {name.removesuffix(".npy"): _array(archive.read(name)) for name in archive.namelist()}
-    except (OSError, ValueError, EOFError, RuntimeError, NotImplementedError, zipfile.BadZipFile, MemoryError) as error:
+    except UNREADABLE as error:
         raise FormatError(
             path, f"not a readable NPZ file: {error}", fix="Make it again with numeric arrays only"
         ) from error

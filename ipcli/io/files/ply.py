@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 
 from ipcli.errors import FormatError, IpcliError
+from ipcli.inputs import check_file
 from ipcli.io.files import atomic
+from ipcli.io.files.text import whole
 
 POSITION, NORMAL, COLOUR = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")
 TYPES = {
@@ -162,6 +164,7 @@ def read(path: Path) -> Ply:
 
 
 def _bytes(path: Path) -> bytes:
+    check_file(path)
     try:
         return Path(path).read_bytes()
     except OSError as error:
@@ -181,7 +184,9 @@ def _header(path: Path, data: bytes) -> PlyHeader:
                 form = name
             case ["comment", *text]:
                 comments.append(" ".join(text))
-            case ["element", "vertex" | "face" as current, number] if number.isdecimal() and current not in elements:
+            case ["element", "vertex" | "face" as current, number] if (
+                current not in elements and whole(number) is not None
+            ):
                 elements[current] = (int(number), ())
             case ["property", *kinds, name] if current and (code := _type_code(kinds, current)):
                 count, properties = elements[current]

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
+from ipcli.inputs import check_file
 from ipcli.io.files.images import read_image
 
 IMAGES = (".png", ".jpg", ".jpeg")
@@ -89,6 +90,7 @@ def whole(word: str) -> int | None:
 
 
 def _bytes(path: Path) -> bytes:
+    check_file(path)
     try:
         return path.read_bytes()
     except FileNotFoundError:
@@ -150,9 +152,16 @@ def read_trajectory_log(path: Path) -> dict[int, np.ndarray]:
     poses = {}
     for block in (lines[start : start + 5] for start in range(0, len(lines), 5)):
         (line, header), *rows = block
-        frame = int(numbers(path, line, header.split(), [3])[0])
+        frame = _frame(path, line, header)
         poses[frame] = np.array([numbers(path, line, text.split(), [4]) for line, text in rows])
     return poses
+
+
+def _frame(path: Path, line: int, header: str) -> int:
+    frame = float(numbers(path, line, header.split(), [3])[0])
+    if not 0 <= frame < 10**MOST_DIGITS or frame != int(frame):
+        raise FormatError(path, f"line {line} has no frame number", expected="a whole number", got=frame)
+    return int(frame)
 
 
 def camera_matrix(values: Sequence[float] | np.ndarray) -> np.ndarray:

@@ -50,7 +50,8 @@ def open_tum(
         else:
             alone += 1
     if not pairs:
-        raise FormatError(folder, "no picture has a depth map of its time", expected=f"within {PAIRED} s")
+        fix = "Check the times of rgb.txt and depth.txt"
+        raise FormatError(folder, "no picture has a depth map of its time", expected=f"within {PAIRED} s", fix=fix)
     words = (f"{alone} pictures have no depth map within {PAIRED} s",) if alone else ()
     stamps = np.array([pair[0] for pair in pairs])
     truth_file = folder / "groundtruth.txt"

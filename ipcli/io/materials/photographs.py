@@ -72,6 +72,7 @@ def read_mask(path: Path, shape: tuple[int, int]) -> np.ndarray:
             "mask and picture differ in size",
             expected=f"{shape[1]} x {shape[0]}",
             got=f"{stored.shape[1]} x {stored.shape[0]}",
+            fix="Give the --mask of this picture",
         )
     plane = stored if stored.ndim == 2 else stored[..., 3] if _has_alpha(stored) else stored[..., :3].max(axis=-1)
     mask = plane > HALF * max(int(plane.max()), 1)
@@ -115,7 +116,7 @@ def read_normals(path: Path, convention: str, shape: tuple[int, int]) -> np.ndar
         )
     if n[known][:, 2].mean() < 0:
         raise FormatError(
-            path, f"normals face away from the viewer in the convention '{convention}'", fix="Try another --normals"
+            path, f"normals face away from the viewer in the convention '{convention}'", fix="Give another --convention"
         )
     n[~known] = np.nan
     n[known] /= length[known, None]

@@ -23,7 +23,6 @@ view = "left"                   # left right front back top bottom; leave it out
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,6 +32,7 @@ import numpy as np
 
 from ipcli.errors import FormatError, nearest
 from ipcli.geometry.orthographic import NAMED
+from ipcli.inputs import read_toml
 from ipcli.io.files import images
 from ipcli.io.parts import masks
 from ipcli.measurements.part_images import NONE, PartImage, PartTree
@@ -43,7 +43,6 @@ IMAGE = {
     "rename": dict, "object": int,
 }  # fmt: skip
 POSES = ("reference", "other")
-MOST_BYTES = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +59,7 @@ class Project:
 def read(path: Path) -> Project:
     """The project at `path` with all its masks. Raises FormatError, naming the file and the part."""
     path = Path(path)
-    content = _content(path)
+    content = read_toml(path)
     _check_keys(path, content, TOP, "")
     tree = _tree(path, content.get("parts", {}), content.get("flatness", {}))
     entries = content.get("images", [])
@@ -78,17 +77,6 @@ def read(path: Path) -> Project:
         raise FormatError(path, "no size of an animal", expected="size > 0", got=size)
     files = (path, *(file for _, files in read_images for file in files))
     return Project(content.get("name", path.stem), size, tree, pictures, tuple(dict.fromkeys(files)))
-
-
-def _content(path: Path) -> dict[str, Any]:
-    try:
-        if path.stat().st_size > MOST_BYTES:
-            raise FormatError(path, "too large for a project", expected=f"at most {MOST_BYTES} bytes")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FormatError(path, f"cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, ValueError) as error:
-        raise FormatError(path, f"not valid TOML: {error}") from error
 
 
 def _check_keys(path: Path, table: Mapping[str, Any], known: Mapping[str, Any], where: str) -> None:

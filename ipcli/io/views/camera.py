@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
 import numpy as np
 
 from ipcli.errors import FormatError
-from ipcli.io.files.text import camera_matrix, read_text
+from ipcli.inputs import read_toml
+from ipcli.io.files.text import camera_matrix
 from ipcli.measurements.views import View, check_view
 
 KEYS = {"width": int, "height": int, "intrinsics": list, "cam_from_world": list}
@@ -17,10 +17,7 @@ EXAMPLE = "Write width = 640, height = 480, intrinsics = [fx, fy, cx, cy] and ca
 
 def read(path: Path) -> View:
     """The camera of a TOML file, named after it, as a view that has seen nothing. Raises FormatError."""
-    try:
-        given = tomllib.loads(read_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise FormatError(path, f"not TOML: {error}", fix=EXAMPLE) from None
+    given = read_toml(path, fix=EXAMPLE)
     if wrong := sorted(given.keys() ^ KEYS.keys()):
         raise FormatError(
             path, f"'{wrong[0]}' is {'not a key of a camera' if wrong[0] in given else 'missing'}", fix=EXAMPLE

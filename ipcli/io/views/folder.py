@@ -13,7 +13,6 @@ poses.txt, or comes as a hint.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence as Ordered
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -22,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from ipcli.errors import FormatError, ParameterError, nearest
+from ipcli.inputs import read_toml
 from ipcli.io.files import text
 from ipcli.io.files.images import read_depth, read_image
 from ipcli.measurements.views import View, Views, check_view
@@ -125,10 +125,7 @@ def _confidence(path: Path) -> np.ndarray:
 def _manifest(path: Path) -> Manifest:
     if not path.is_file():
         return Manifest()
-    try:
-        table = tomllib.loads(text.read_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise FormatError(path, f"not TOML: {error}", fix="Correct that line") from None
+    table = read_toml(path, fix="Correct that line")
     known = [field.name for field in fields(Manifest)]
     for key in table:
         if key not in known:

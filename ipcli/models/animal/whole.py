@@ -74,7 +74,8 @@ def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels
     inside = np.argwhere(field < 1.0)
     if not len(inside):
         raise NoSolution(
-            "the silhouettes have nothing in common: check the names of the views and that all show one pose"
+            "the silhouettes have nothing in common: check the `view` of each image, and mark what shows another pose "
+            'with pose = "other"'
         )
     low = rough.origin + rough.spacing * (inside.min(axis=0) - 1)
     high = rough.origin + rough.spacing * (inside.max(axis=0) + 1)

@@ -17,6 +17,7 @@ from ipcli.models.brdf.materials import Brdf
 SIDE = 65  # entries of a chart along n_x and n_y
 RIM = 0.999  # radius in (n_x, n_y) up to which charts are sampled; beyond, the nearest entry there
 BANDS = 9  # harmonics of order 2
+COSINES = np.linspace(0.02, 1, 16)  # of the angles to the normal between which the directional albedo is interpolated
 
 
 class Map(Protocol):
@@ -100,26 +101,32 @@ def frames(normals: np.ndarray) -> np.ndarray:
     return np.stack([t, s, normals], axis=1)
 
 
-def transfer(brdf: Brdf, normals: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def transfer(brdf: Brdf, normals: np.ndarray, directions: np.ndarray, albedo: np.ndarray | None = None) -> np.ndarray:
     """T (n, d, 3) = f cos(theta) d omega, so that the outgoing radiance to the viewer at +z is sum_d T L (n, 3).
+
+    `albedo` is what `albedo_by_angle` gives, for callers that ask more than once.
 
     `directions` (d, 3) share the sphere equally. Lobes narrower than their spacing are blurred by it, not lost: the
     row is rescaled to the directional albedo of a finer quadrature around the mirror direction.
     """
+    albedo = albedo_by_angle(brdf) if albedo is None else albedo
     turned = frames(normals)
     view = turned[:, :, 2]
     light = np.einsum("nij,dj->ndi", turned, directions)
     value = brdf(light, np.broadcast_to(view[:, None], light.shape))
     rows = value * np.clip(light[..., 2:], 0, None) * (4 * np.pi / len(directions))
-    return rows * _energy_kept(brdf, view, rows)
+    return rows * _energy_kept(albedo, view, rows)
 
 
-def _energy_kept(brdf: Brdf, view: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def albedo_by_angle(brdf: Brdf) -> np.ndarray:
+    """Directional albedo (16, 3) at the cosines COSINES of the angle between view and normal."""
+    return directional_albedo(brdf, np.stack([np.sqrt(1 - COSINES**2), np.zeros_like(COSINES), COSINES], axis=-1))
+
+
+def _energy_kept(albedo: np.ndarray, view: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Ratio (n, 1, 3) of the true directional albedo, by quadrature over half vectors, to the sum of the rows."""
-    z = np.linspace(0.02, 1, 16)
-    angles = np.stack([np.sqrt(1 - z * z), np.zeros_like(z), z], axis=-1)
-    albedo = np.stack([np.interp(view[:, 2], z, channel) for channel in directional_albedo(brdf, angles).T], axis=-1)
-    return (albedo / np.maximum(rows.sum(axis=1), 1e-9))[:, None].clip(0.2, 5)
+    true = np.stack([np.interp(view[:, 2], COSINES, channel) for channel in albedo.T], axis=-1)
+    return (true / np.maximum(rows.sum(axis=1), 1e-9))[:, None].clip(0.2, 5)
 
 
 def directional_albedo(brdf: Brdf, view: np.ndarray, count: int = 48) -> np.ndarray:
@@ -158,8 +165,9 @@ def charts(brdf: Brdf, lights: list[Light], side: int = SIDE, coarse: int = 33) 
     directions = sphere(len(lights[0].radiance))
     stack = np.stack([light.radiance for light in lights], axis=-1)  # (d, 3, k)
     made = np.empty((coarse, coarse, 3, len(lights)))
+    albedo = albedo_by_angle(brdf)
     for i in range(coarse):
-        made[i] = np.einsum("ndc,dck->nck", transfer(brdf, normals[i], directions), stack)
+        made[i] = np.einsum("ndc,dck->nck", transfer(brdf, normals[i], directions, albedo), stack)
     return np.moveaxis(_finer(made, side), -1, 0)
 
 

@@ -28,7 +28,7 @@ class KnownMap:
 def known_map(a: Mapping[str, np.ndarray]) -> KnownMap:
     """The map of a `gaze-experiment`. Its frames keep no features: nothing is added to it nor adjusted."""
     if "map/descriptors" not in a:
-        raise NoSolution("the earlier run keeps no descriptors of its map: make it anew with this version")
+        raise NoSolution("the run of --map keeps no descriptors of its map: make it anew with this version")
     sightings = a["map/sightings"]
     scene = SceneMap(a["map/points"].copy(), a["map/descriptors"].copy(), [[] for _ in a["map/points"]], [])
     scene.count = len(scene.points)
@@ -42,7 +42,7 @@ def known_map(a: Mapping[str, np.ndarray]) -> KnownMap:
             scene.observers[point].append(len(scene.frames))
         scene.frames.append(MapFrame(int(number), _nothing(), pose, ids))
     if not scene.frames:
-        raise NoSolution("the earlier run has no map")
+        raise NoSolution("the run of --map has no map: give one that localised its wearer in more than one camera")
     return KnownMap(scene, a["map/grey"])
 
 

@@ -37,7 +37,7 @@ def laid_on(a: Arrays, landmarks: Landmarks, *, with_scale: bool) -> Arrays:
     for points in (found[known], landmarks.places[known]):
         extent = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
         if extent[1] < FLAT * extent[0] or extent[0] == 0:
-            raise NoSolution("all landmarks lie on one line: nothing holds the turn around it")
+            raise NoSolution("all landmarks of --world lie on one line: nothing holds the turn around it. Add another")
     fit = align(found, landmarks.places, with_scale=with_scale)
     return moved(a, fit) | {
         "landmarks/names": np.array(landmarks.names, dtype=np.str_).reshape(-1),

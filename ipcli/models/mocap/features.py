@@ -44,12 +44,16 @@ def of_motion(motion: Motion, groups: Groups, lengths: np.ndarray, settings: Fea
 
 
 def reference_lengths(motions: Sequence[Motion], groups: Groups) -> np.ndarray:
-    """Bone lengths (j,) of a common skeleton of height 1: the median over the motions, each divided by the height of
-    its body.
+    """Bone lengths (j,) of a common skeleton of height 1: the median over the motions in which a bone is seen, each
+    divided by the height of its body; NaN for a bone that is seen in none.
     """
-    return np.nanmedian(
-        [bone_lengths(motion.skeleton, motion.positions) / height(motion, groups) for motion in motions], axis=0
-    )
+    each = np.array(
+        [bone_lengths(motion.skeleton, motion.positions) / height(motion, groups) for motion in motions]
+    )  # (motions, j)
+    lengths = np.full(each.shape[1], np.nan)
+    is_seen = ~np.isnan(each).all(axis=0)
+    lengths[is_seen] = np.nanmedian(each[:, is_seen], axis=0)
+    return lengths
 
 
 def height(motion: Motion, groups: Groups) -> float:

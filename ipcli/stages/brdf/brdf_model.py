@@ -72,9 +72,10 @@ def modelled(source: ObjectFiles, params: BrdfModel, progress: Progress) -> dict
     box = box_of(photo.mask)
     mask = photo.mask[box]
     if max(mask.shape) < SMALLEST:
-        raise NoSolution(f"the object is {max(mask.shape)} pixels long, and at least {SMALLEST} are needed")
+        size = max(mask.shape)
+        raise NoSolution(f"the object is {size} pixels long: give a picture of it with {SMALLEST} or more")
     if not photo.colour[box][mask].any():
-        raise NoSolution("the object is black all over")
+        raise NoSolution("the object is black all over: check that --mask is white where the object is")
     if source.normals:
         given = photographs.read_normals(source.normals, source.convention, photo.mask.shape)[box]
         made = integrated(given, photo.colour[box], mask, shelf, params.inference)
@@ -202,7 +203,7 @@ def summary(output: Path) -> dict[str, Any]:
     if not output.is_file():
         return {"output": output}
     arrays = h5.read(output, "brdf-object", lambda name: name in SUMMARISED).arrays
-    facts: dict[str, Any] = {"object": output, "cut edge": round(float(arrays["sheet"]), 2)}
+    facts: dict[str, Any] = {"output": output, "cut edge": round(float(arrays["sheet"]), 2)}
     facts["residual"] = round(float(arrays["residual"]), 4)
     facts["settled by the picture"] = (
         "convex or concave: no, it ties" if abs(float(arrays["tie"])) < TIE else "convex or concave: yes"

@@ -6,10 +6,12 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ipcli.executor import map_items
+from ipcli.io.files import h5
 from ipcli.io.materials import probes
 from ipcli.models.brdf import training
 from ipcli.models.brdf.reflectance import charts
@@ -29,6 +31,21 @@ def run(source: Path, output: Path, params: BrdfTrain, run: Run, progress: Progr
     listed = read(source)
     job = Job(output, "brdf-library", "brdf-train", params, listed.inputs(source), page(output, "brdf-library"))
     return make_resumable(job, lambda work: library(listed, params, run, work, progress), run)
+
+
+def summary(output: Path) -> dict[str, Any]:
+    """The few figures a person wants, of a library that is there; of none (a dry run), its name alone."""
+    if not output.is_file():
+        return {"output": output}
+    wanted = ("materials", "probes", "material_accuracy", "rim_accuracy")
+    arrays = h5.read(output, "brdf-library", lambda name: name in wanted).arrays
+    material, metal = arrays["material_accuracy"]
+    return {
+        "output": output,
+        "materials": len(arrays["materials"]),
+        "lights": len(arrays["probes"]),
+        "told right": f"rim {arrays['rim_accuracy']:.0%}, material {material:.0%}, metal or not {metal:.0%} (held out)",
+    }
 
 
 def library(listed: Listed, params: BrdfTrain, run: Run, work: Checkpoint, progress: Progress) -> dict[str, np.ndarray]:

@@ -4,13 +4,13 @@ probes.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ipcli.errors import FormatError, nearest
+from ipcli.inputs import read_toml
 
 MODELS = ("conductor", "plastic", "network", "abc", "table")
 KEYS = {
@@ -20,7 +20,6 @@ KEYS = {
     "abc": ("file", "name"),
     "table": ("file",),
 }
-MOST = 1 << 20  # bytes
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ def read(path: Path) -> Listed:
     """The list. Raises FormatError for what is no TOML, no material, an unknown model or key, or a file that is not
     there.
     """
-    tree = _toml(path)
+    tree = read_toml(path)
     unknown = set(tree) - {"materials", "probes"}
     if unknown:
         raise FormatError(path, f"unknown section '{min(unknown)}'{nearest(min(unknown), ['materials', 'probes'])}")
@@ -54,17 +53,6 @@ def read(path: Path) -> Listed:
     return Listed(
         {name: _material(path, name, entry) for name, entry in materials.items()}, _probes(path, tree.get("probes", {}))
     )
-
-
-def _toml(path: Path) -> dict[str, Any]:
-    try:
-        if path.stat().st_size > MOST:
-            raise FormatError(path, "too large to be a list of materials")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FormatError(path, f"cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise FormatError(path, f"not valid TOML: {' '.join(str(error).split())}") from error
 
 
 def _material(path: Path, name: str, entry: Mapping[str, Any]) -> dict[str, Any]:

@@ -182,7 +182,7 @@ def summary(output: Path) -> dict[str, Any]:
     if not output.is_file():
         return {"output": output}
     arrays = h5.read(output, KIND, lambda name: not name.startswith(("shown/", "each"))).arrays
-    facts: dict[str, Any] = {"evaluation": output}
+    facts: dict[str, Any] = {"output": output}
     for name, role, values in zip(arrays["predictors"], arrays["roles"], arrays["values"], strict=True):
         if role != "feature":
             pairs = zip(arrays["measures"].tolist(), values.tolist(), strict=True)

@@ -111,7 +111,8 @@ def predictor_of(model: Path | None, subject: str) -> Predictor | None:
         return None
     arrays = h5.read(model, "saliency-model").arrays
     if str(arrays["subject"]) != subject:
-        raise FormatError(model, f"was not learnt from {subject}", got=arrays["subject"])
+        fix = "Give another --model, or none"
+        raise FormatError(model, f"was not learnt from {subject}", got=arrays["subject"], fix=fix)
     return Predictor.of(arrays)
 
 
@@ -147,7 +148,7 @@ def summary(output: Path) -> dict[str, Any]:
         return {"output": output}
     names = h5.names(output)
     return {
-        "maps": output,
+        "output": output,
         "by": str(h5.read(output, KIND, lambda name: name == "model").arrays["model"]),
     } | {
         what: count

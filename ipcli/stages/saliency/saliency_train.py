@@ -49,7 +49,7 @@ def summary(output: Path) -> dict[str, Any]:
         return {"output": output}
     arrays = h5.read(output, KIND, lambda name: not name.startswith("trees/")).arrays
     return {
-        "model": output,
+        "output": output,
         "learnt from": f"{len(arrays['items'])} {arrays['subject']}, {int(arrays['fixations'])} fixations",
         "features": len(arrays["features"]),
     }

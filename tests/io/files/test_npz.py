@@ -1,5 +1,7 @@
 """NPZ holds numbers, comes back bit for bit, and is refused when damaged."""
 
+import zipfile
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
 from ipcli.errors import FormatError, IpcliError
-from ipcli.io.files import npz
+from ipcli.io.files import images, npz
 
 IN_FOLDER = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 DTYPES = st.sampled_from(["?", "i1", "<u2", ">i4", "<f4", "<f8", "<c16"])
@@ -65,6 +67,30 @@ def test_every_cut_is_refused_and_every_flip_refused_or_harmless(tmp_path):
             continue
         for array in found.values():  # a name may be damaged, since ZIP does not protect names; data are not
             assert any(np.array_equal(array, original) for original in arrays.values()), index
+
+
+@pytest.mark.parametrize(
+    "header",
+    [b"{'descr': '<f8', 'shape': (", b"{'descr': '<f8', 'fortran_order': 0, 'shape': (9**9,)}", b"((((" * 2000, b"\0"],
+)
+def test_the_header_of_an_array_may_be_any_python(tmp_path, header):
+    data = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header
+    with zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("a.npy", data)
+    with pytest.raises(FormatError, match="not a readable NPZ"):
+        npz.read(tmp_path / "a.npz")
+    (tmp_path / "a.npy").write_bytes(data)
+    with pytest.raises(FormatError, match="not a readable NPY"):
+        images.read_npy(tmp_path / "a.npy")
+
+
+def test_a_stream_that_does_not_inflate_is_refused(tmp_path):
+    with zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("a.npy", bytes(1000))
+    whole = (tmp_path / "a.npz").read_bytes()
+    (tmp_path / "a.npz").write_bytes(whole[:35] + b"\xff\xff" + whole[37:])
+    with pytest.raises(FormatError, match="not a readable NPZ"):
+        npz.read(tmp_path / "a.npz")
 
 
 def test_absence_is_told(tmp_path):

@@ -111,6 +111,8 @@ def test_trajectories_are_those_that_open3d_writes(tmp_path):
         ("", "blocks of 5 lines"),
         ("0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n", "got 4 lines"),
         ("0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "line 1 is cut"),
+        ("nan 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "line 1 has no frame number"),
+        ("1e400 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "line 1 has no frame number"),
         ("0 0 1\n1 0 0 0\n0 1 0\n0 0 1 0\n0 0 0 1\n", "line 3 is cut"),
     ],
 )

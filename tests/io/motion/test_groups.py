@@ -84,7 +84,7 @@ def test_unknown_joints_name_the_nearest(written, before, after, message):
         ('left = ["left_hip"]', 'left = "left_hip"', "left is not a list of joints"),
         ('left = ["left_hip"]', 'left = ["left_hip", "head"]', "left and right are not pairs"),
         ('"hips", "head"', '"hips", "hips"', "groups.trunk names 'hips' twice"),
-        ("[groups]", "[groups", "not TOML"),
+        ("[groups]", "[groups", "not valid TOML"),
         ("root", "up = [1, 1, 0]\nroot", "up is not an axis"),
         ('trunk = ["hips", "head"]', "", "no table .groups."),
         ('trunk = ["hips", "head"]', "trunk = []", "groups.trunk is not a list"),

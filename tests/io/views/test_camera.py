@@ -23,7 +23,7 @@ def test_a_camera_is_a_view_that_has_seen_nothing(tmp_path):
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("width = ", "not TOML"),
+        ("width = ", "not valid TOML"),
         (GOOD + "depth = 1", "'depth' is not a key"),
         (GOOD.replace("width = 6\n", ""), "'width' is missing"),
         (GOOD.replace("width = 6", "width = 6.5"), "width has the wrong type"),

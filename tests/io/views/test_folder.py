@@ -212,7 +212,7 @@ BROKEN = {
         r"intrinsics.txt: line 1 .*\(expected 4 or 9 numbers, got 2\)",
     ),
     "misspelt key": (edit("views.toml", "unit", "units"), "views.toml: unknown key 'units'; did you mean 'unit'?"),
-    "not TOML": (edit("views.toml", "=", ""), "views.toml: not TOML"),
+    "not TOML": (edit("views.toml", "=", ""), "views.toml: not valid TOML"),
     "manifest value of wrong type": (edit("views.toml", "1000", '"mm"'), "depth_scale = 'mm': expected a number > 0"),
     "unknown quantity": (
         edit("views.toml", "unit", 'measured = "range"\nunit'),

@@ -58,6 +58,17 @@ def test_a_map_is_the_integral_over_the_light(brdf):
     assert error.max() < 0.05
 
 
+def test_a_chart_is_its_transfers_and_asks_once_for_the_albedo(monkeypatch):
+    asked, albedo = [], reflectance.directional_albedo
+    monkeypatch.setattr(reflectance, "directional_albedo", lambda *words: asked.append(words) or albedo(*words))
+    lit = light.Light(np.abs(np.random.default_rng(0).normal(size=(light.DIRECTIONS, 3))))
+    (chart,) = reflectance.charts(METAL, [lit], side=9, coarse=9)
+    assert len(asked) == 1
+    for row, normal in zip(chart, reflectance.chart_normals(9), strict=True):
+        alone = np.einsum("ndc,dc->nc", reflectance.transfer(METAL, normal, light.sphere()), lit.radiance)
+        np.testing.assert_allclose(row, alone, rtol=1e-12)
+
+
 def test_a_point_light_on_a_matte_ball_is_the_cosine():
     towards = np.array([0.3, 0.5, 0.8]) / np.linalg.norm([0.3, 0.5, 0.8])
     directions = light.sphere()

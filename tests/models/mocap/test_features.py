@@ -35,6 +35,22 @@ def turned(moved, rotation, shift=(0.0, 0.0, 0.0)):
     return replace(moved, positions=moved.positions @ rotation.T + shift, rotations=rotation @ moved.rotations)
 
 
+@pytest.mark.filterwarnings("error")
+def test_the_common_skeleton_has_a_bone_from_those_who_showed_it_and_none_that_nobody_did():
+    """Bodies of height h, 2 h and 4 h have the bones of the first one; a joint that two of them hide counts once."""
+    bodies = [replace(poses(4, 1), positions=size * poses(4, 1).positions) for size in (1.0, 2.0, 4.0)]
+    expected = features.reference_lengths(bodies[:1], GROUPS)
+    joint = NAMES.index("right_hand")
+    for hidden, is_seen in ((1, True), (2, True), (3, False)):
+        for body in bodies[:hidden]:
+            body.positions[:, joint] = np.nan
+        found = features.reference_lengths(bodies, GROUPS)
+        assert np.isfinite(found[joint]) == is_seen
+        others = np.arange(len(NAMES)) != joint
+        np.testing.assert_allclose(found[others], expected[others], rtol=1e-6)
+        np.testing.assert_allclose(found[joint], expected[joint] if is_seen else np.nan, rtol=1e-6)
+
+
 @ALL
 def test_seven_numbers_a_group_and_a_frame(settings):
     found = features.of_motion(poses(9, 1), GROUPS, LENGTHS, settings)

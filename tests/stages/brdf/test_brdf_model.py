@@ -8,6 +8,7 @@ import pytest
 from ipcli.cli.main import main
 from ipcli.io.files import h5, images, ply
 from ipcli.io.materials import photographs
+from ipcli.stages.brdf import brdf_model
 from tests.fixtures import brdf_scenes
 
 
@@ -32,6 +33,14 @@ def made(tmp_path_factory) -> Path:
     )
     assert main(["brdf-model", *words, *brdf_scenes.FAST, "-o", str(folder / "egg.h5"), "--quiet"]) == 0
     return folder
+
+
+def test_the_console_tells_its_figures(made):
+    told = brdf_model.summary(made / "egg.h5")
+    metrics = h5.read(made / "egg.h5", "brdf-object").arrays["metrics"]
+    assert next(iter(told.items())) == ("output", made / "egg.h5")
+    assert told["N-MAE, rad"] == round(float(metrics[0, 0]), 4)
+    assert brdf_model.summary(made / "none.h5") == {"output": made / "none.h5"}
 
 
 def test_the_surface_is_better_than_flat_and_its_errors_are_told(made):

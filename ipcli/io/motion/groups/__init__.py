@@ -14,13 +14,12 @@ left_arm = ["left_shoulder", "left_elbow", "left_wrist"]
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from ipcli.errors import FormatError, ParameterError, nearest
 from ipcli.geometry.skeleton import Groups, Skeleton
-from ipcli.io.files.text import read_text
+from ipcli.inputs import read_toml
 
 SHIPPED = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.toml"))}
 LISTS, NAMES = ("left", "right", "bottom"), ("root", "top")
@@ -61,10 +60,7 @@ def joints_of(groups: Groups) -> set[str]:
 def read(path: Path) -> Groups:
     """The groups of a TOML file. Raises FormatError for what is missing, unknown or of a wrong type."""
     path = Path(path)
-    try:
-        given = tomllib.loads(read_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise FormatError(path, f"not TOML: {error}", fix="See docs/motions.md for an example") from None
+    given = read_toml(path, fix="See docs/motions.md for an example")
     known = (*NAMES, *LISTS, "up", "groups")
     for key in given:
         if key not in known:

@@ -1,0 +1,76 @@
+"""What may be read at all, and the two small formats that settings come in. Standard library only.
+
+Whatever opens a path that it was given asks `check_file` first: a pipe can be read but once, which is not enough for a
+digest and a reader, and /dev/zero has no end.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+from typing import Any
+
+from ipcli.errors import FormatError
+
+MOST_BYTES = 1 << 24  # of a file of settings; those that come with a capture's calibration have kilobytes
+
+
+def check_file(path: Path | str) -> Path:
+    """`path`, unless it is a pipe, a socket, a device or a name that no file can have: then FormatError.
+
+    What is not there is not complained of: whoever opens it knows what is missing.
+    """
+    try:
+        mode = os.stat(path).st_mode
+    except OSError:
+        return Path(path)
+    except ValueError:  # a zero byte, or a lone surrogate
+        raise FormatError(repr(str(path)), "no name of a file", fix="Correct it where it stands") from None
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+        what = "a pipe or a device, which can be read but once or has no end"
+        raise FormatError(path, what, fix="Give a file or folder")
+    return Path(path)
+
+
+def read_small_text(path: Path) -> str:
+    """A UTF-8 text of at most MOST_BYTES, without its byte order mark. FormatError for anything else."""
+    try:
+        if check_file(path).stat().st_size > MOST_BYTES:
+            raise FormatError(path, "too large", expected=f"at most {MOST_BYTES} bytes", got=path.stat().st_size)
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise FormatError(path, f"cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise FormatError(path, f"not a readable text file: {error}", fix="Save it as UTF-8") from error
+
+
+def read_toml(path: Path, *, fix: str | None = None) -> dict[str, Any]:
+    """The table of a TOML file. FormatError with `fix` for anything else, a number of 5000 digits and 5000 brackets
+    included, which the parser takes ill in ways of its own.
+    """
+    import tomllib
+
+    text = read_small_text(path)
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError, OverflowError) as error:
+        raise FormatError(path, f"not valid TOML: {_reason(error)}", fix=fix) from error
+
+
+def read_json(path: Path, *, fix: str | None = None) -> dict[str, Any]:
+    """The object of a JSON file. FormatError with `fix` for anything else."""
+    import json
+
+    text = read_small_text(path)
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise FormatError(path, f"not valid JSON: {_reason(error)}", fix=fix) from error
+    if not isinstance(found, dict):
+        raise FormatError(path, "not what it should hold", expected="a JSON object", got=type(found).__name__, fix=fix)
+    return found
+
+
+def _reason(error: Exception) -> str:
+    return "nested too deep" if isinstance(error, RecursionError) else " ".join(str(error).split())
