@@ -23,9 +23,9 @@ demo: $(INSTALLED)
 	$(BIN)/brdf-train sample_data/brdf/materials.toml --scenes 120 --pictures 40 -o $(DEMO)/materials.h5
 	$(BIN)/brdf-model $(DEMO)/materials.h5 sample_data/brdf/vase.png --mask sample_data/brdf/vase.mask.png \
 	    --true-height sample_data/brdf/vase.height.npz -o $(DEMO)/vase.h5
-	@echo "Open in a browser: where somebody walked and looked, what is likely to be looked at there, a fused depth map, an animal, a vase in a photograph,"
-	@echo "behaviours of people, and the actions of somebody who was not learnt from"
-	@for page in room.gaze room.saliency shapes.fused animal vase motions.model motions.recognition; do echo "  $(CURDIR)/$(DEMO)/$$page.html"; done
+	$(BIN)/ipcli saliency-predict sample_data/brdf/vase.png -o $(DEMO)/vase.looks.h5
+	$(BIN)/python -m tools.make_index $(DEMO)
+	@echo "Open in a browser: $(CURDIR)/$(DEMO)/index.html"
 
 test: $(INSTALLED)
 	$(PYTEST)
