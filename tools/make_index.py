@@ -31,7 +31,8 @@ STYLE = (
     ".cards h2 code{font-size:19px}.cards .shown{display:flex;align-items:center;justify-content:center;height:280px;"
     "margin:12px 0 10px;background:var(--card);border-radius:4px;overflow:hidden}"
     ".cards .shown img{display:block;max-width:100%;max-height:280px;width:auto;height:auto}"
-    ".cards .shown svg{max-height:280px}.cards p{margin:6px 0 0}.cards .links a{margin-right:18px}a{color:var(--accent)}"
+    ".cards .shown svg{max-height:280px}.cards p{margin:6px 0 0}.cards .links a{margin-right:18px}"
+    "a{color:var(--accent)}"
     "@media(max-width:900px){.cards{grid-template-columns:minmax(0,1fr)}}"
 )
 
@@ -58,13 +59,13 @@ CARDS = (
          "A room around the wearer of a head camera, with points of regard in red", turns=TURN),
     Card("saliency", "What is likely to be looked at there?", "room.saliency", "saliency", draw.attention,
          "Above, points of regard (red) and predicted proto-objects (green); below, saliency",
-         "Learnt from a walk of under four seconds: too little to trust its rates. docs/saliency.md has those of long tasks.",
+         "Learnt from a few seconds: too little to trust its rates. docs/saliency.md has those of long tasks.",
          (*TURN, ("membranes", "membranes at work"))),
     Card("fuse-depth", "What is the depth, when eleven views disagree?", "shapes.fused", "fused-depth", draw.montage,
          "One noisy depth map, the median, the fused map; its confidence, and both surfaces in light"),
     Card("mocap-train", "What do legs and arms do in an action?", "motions.model", "behaviours",
-         lambda arrays: draw.behaviours(arrays)[..., ::-1], "Kicking, squatting, walking and waving: the most frequent behaviours"),
-    Card("mocap-classify", "What is somebody doing who was not learnt from?", "motions.recognition", "action-recognition",
+         lambda arrays: draw.behaviours(arrays)[..., ::-1], "Behaviours of kicking, squatting, walking and waving"),
+    Card("mocap-classify", "What is somebody new doing?", "motions.recognition", "action-recognition",
          answers_matrix, "Labels of the clips against answers"),
     Card("model-animal", "What solid shape do some pictures show?", "animal", "animal-model", draw.animal,
          "The model from four sides, its parts in colours", turns=TURN),

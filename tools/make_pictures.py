@@ -109,7 +109,7 @@ def animal(arrays: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def attention(arrays: dict[str, np.ndarray], count: int = 3) -> np.ndarray:
-    """Above: pictures with points of regard (red) and proto-objects (green). Below: the saliency of their points, RGB."""
+    """Above: pictures with points of regard (red) and proto-objects (green). Below: their saliency, RGB."""
     regards, images = arrays["regards/picture"], arrays["pictures/images"]
     looked = np.bincount(regards, minlength=len(images)) + 100 * np.isin(
         np.arange(len(images)), arrays["outlines/picture"]

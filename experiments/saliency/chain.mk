@@ -4,18 +4,18 @@
 #   make chain-euroc                of EuRoC V1_01 (100 sparse pairs of pictures), looked at by a generated gaze
 # A step whose result is there is not done again; results are in build/chain/NAME/.
 
-RECORDING ?= sample_data/room
+CHAIN_RECORDING := $(or $(RECORDING),sample_data/room)
 CHAIN_STEP ?= 2
 GAZE ?=
-CHAIN := build/chain/$(notdir $(RECORDING))
+CHAIN := build/chain/$(notdir $(CHAIN_RECORDING))
 
 CHAIN_EUROC := $(DATA)/gaze/euroc_v101_sub100
 CHAIN_GAZE := build/recordings/euroc-gaze/gaze.csv
 
 .PHONY: chain chain-euroc
 chain: $(INSTALLED)
-	$(BIN)/ipcli gaze-sfm $(RECORDING) $(GAZE:%=--gaze %) -o $(CHAIN)/run.gaze.h5
-	$(BIN)/ipcli gaze-views $(RECORDING) $(CHAIN)/run.gaze.h5 -o $(CHAIN)/run.views.h5
+	$(BIN)/ipcli gaze-sfm $(CHAIN_RECORDING) $(GAZE:%=--gaze %) -o $(CHAIN)/run.gaze.h5
+	$(BIN)/ipcli gaze-views $(CHAIN_RECORDING) $(CHAIN)/run.gaze.h5 -o $(CHAIN)/run.views.h5
 	$(BIN)/ipcli fuse-depth $(CHAIN)/run.views.h5 --all --window 7 --step $(CHAIN_STEP) -o $(CHAIN)/fused
 	$(BIN)/ipcli merge-depth $(CHAIN)/fused/*.fused.h5 -o $(CHAIN)/cloud.h5
 	$(BIN)/ipcli saliency $(CHAIN)/run.gaze.h5 --cloud $(CHAIN)/cloud.h5 -o $(CHAIN)/run.saliency.h5

@@ -94,7 +94,13 @@ def attention(seen: np.ndarray, rng: np.random.Generator) -> np.ndarray:
         if now < 0 or k >= until or not view[now]:
             others = np.flatnonzero(view & (np.arange(len(view)) != now))
             stays = now >= 0 and bool(view[now])
-            now = int(others[np.lexsort((rng.random(len(others)), last[others]))[0]]) if len(others) else now if stays else -1
+            now = (
+                int(others[np.lexsort((rng.random(len(others)), last[others]))[0]])
+                if len(others)
+                else now
+                if stays
+                else -1
+            )
             until = k + int(rng.integers(*DWELL, endpoint=True))
         looked[k] = now
         if now >= 0:
