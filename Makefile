@@ -15,7 +15,7 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --num
 
 demo: $(INSTALLED)
 	$(BIN)/gaze-sfm sample_data/room --gaze-sigma 0.71 -o $(DEMO)/room.gaze.h5
-	$(BIN)/saliency $(DEMO)/room.gaze.h5 --leave-out F4 -o $(DEMO)/room.saliency.h5
+	$(BIN)/saliency $(DEMO)/room.gaze.h5 --radius 0.35 -o $(DEMO)/room.saliency.h5
 	$(BIN)/fuse-depth sample_data/shapes --reference 005 -o $(DEMO)/shapes.fused.h5
 	$(BIN)/mocap-train sample_data/motions --actors ann,bob $(FEW_SWEEPS) -o $(DEMO)/motions.model.h5
 	$(BIN)/mocap-classify $(DEMO)/motions.model.h5 sample_data/motions --actors eve -o $(DEMO)/motions.recognition.h5

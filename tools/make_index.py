@@ -56,7 +56,7 @@ class Card:
 TURN = (("turn", "to be turned"),)
 CARDS = (
     Card("gaze-sfm", "Where did somebody walk, and what did they look at?", "room.gaze", "gaze-experiment", panorama,
-         "A room around the wearer of a head camera, with points of regard in red", turns=TURN),
+         "A room with parcels around the wearer of a head camera; points of regard in red", turns=TURN),
     Card("saliency", "What is likely to be looked at there?", "room.saliency", "saliency", draw.attention,
          "Above, points of regard (red) and predicted proto-objects (green); below, saliency",
          "Learnt from a few seconds: too little to trust its rates. docs/saliency.md has those of long tasks.",

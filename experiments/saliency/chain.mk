@@ -7,6 +7,8 @@
 CHAIN_RECORDING := $(or $(RECORDING),sample_data/room)
 CHAIN_STEP ?= 2
 GAZE ?=
+# parcels of the sample are 0.4 m wide
+CHAIN_SALIENCY ?= --radius 0.35
 CHAIN := build/chain/$(notdir $(CHAIN_RECORDING))
 
 CHAIN_EUROC := $(DATA)/gaze/euroc_v101_sub100
@@ -18,7 +20,7 @@ chain: $(INSTALLED)
 	$(BIN)/ipcli gaze-views $(CHAIN_RECORDING) $(CHAIN)/run.gaze.h5 -o $(CHAIN)/run.views.h5
 	$(BIN)/ipcli fuse-depth $(CHAIN)/run.views.h5 --all --window 7 --step $(CHAIN_STEP) -o $(CHAIN)/fused
 	$(BIN)/ipcli merge-depth $(CHAIN)/fused/*.fused.h5 -o $(CHAIN)/cloud.h5
-	$(BIN)/ipcli saliency $(CHAIN)/run.gaze.h5 --cloud $(CHAIN)/cloud.h5 -o $(CHAIN)/run.saliency.h5
+	$(BIN)/ipcli saliency $(CHAIN)/run.gaze.h5 --cloud $(CHAIN)/cloud.h5 $(CHAIN_SALIENCY) -o $(CHAIN)/run.saliency.h5
 	@echo "Open in a browser: the head's path, the cloud, and what is likely to be looked at"
 	@for page in run.gaze cloud run.saliency; do echo "  $(CURDIR)/$(CHAIN)/$$page.html"; done
 
