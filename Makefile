@@ -15,7 +15,7 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --num
 
 demo: $(INSTALLED)
 	$(BIN)/gaze-sfm sample_data/room --gaze-sigma 0.71 -o $(DEMO)/room.gaze.h5
-	$(BIN)/saliency $(DEMO)/room.gaze.h5 --leave-out F4 -o $(DEMO)/room.saliency.h5
+	$(BIN)/saliency $(DEMO)/room.gaze.h5 --radius 0.35 -o $(DEMO)/room.saliency.h5
 	$(BIN)/fuse-depth sample_data/shapes --reference 005 -o $(DEMO)/shapes.fused.h5
 	$(BIN)/mocap-train sample_data/motions --actors ann,bob $(FEW_SWEEPS) -o $(DEMO)/motions.model.h5
 	$(BIN)/mocap-classify $(DEMO)/motions.model.h5 sample_data/motions --actors eve -o $(DEMO)/motions.recognition.h5
@@ -23,9 +23,9 @@ demo: $(INSTALLED)
 	$(BIN)/brdf-train sample_data/brdf/materials.toml --scenes 120 --pictures 40 -o $(DEMO)/materials.h5
 	$(BIN)/brdf-model $(DEMO)/materials.h5 sample_data/brdf/vase.png --mask sample_data/brdf/vase.mask.png \
 	    --true-height sample_data/brdf/vase.height.npz -o $(DEMO)/vase.h5
-	@echo "Open in a browser: where somebody walked and looked, what is likely to be looked at there, a fused depth map, an animal, a vase in a photograph,"
-	@echo "behaviours of people, and the actions of somebody who was not learnt from"
-	@for page in room.gaze room.saliency shapes.fused animal vase motions.model motions.recognition; do echo "  $(CURDIR)/$(DEMO)/$$page.html"; done
+	$(BIN)/ipcli saliency-predict sample_data/brdf/vase.png -o $(DEMO)/vase.looks.h5
+	$(BIN)/python -m tools.make_index $(DEMO)
+	@echo "Open in a browser: $(CURDIR)/$(DEMO)/index.html"
 
 test: $(INSTALLED)
 	$(PYTEST)

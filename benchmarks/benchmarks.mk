@@ -5,10 +5,10 @@
 # a folder of the layout of sample_data/motions, or a clips artefact, with ACTORS to choose settings on.
 
 BENCH := .venv/.bench
-BENCHMARKS := fusion-solver fusion-baselines fusion-scaling mocap-gibbs mocap-speed mocap-peers gaze-paths
+BENCHMARKS := fusion-solver fusion-baselines fusion-scaling mocap-gibbs mocap-speed mocap-peers gaze-paths saliency-speed
 MOTIONS ?= sample_data/motions
 ACTORS ?= ann,bob
-# RECORDING, with its truth, is what gaze-paths localises the head in; without one it takes a generated room.
+# RECORDING, with its truth (and gaze), is what gaze-paths and saliency-speed take; without one they take a generated room.
 RECORDING ?=
 
 .PHONY: benchmarks $(BENCHMARKS:%=benchmarks/%)
@@ -17,6 +17,7 @@ benchmarks/mocap-speed: GIVEN = --clips $(MOTIONS)
 benchmarks/mocap-peers: GIVEN = --clips $(MOTIONS) --development $(ACTORS)
 
 benchmarks/gaze-paths: GIVEN = $(if $(RECORDING),--recording $(RECORDING),$(if $(QUICK),,--quick))
+benchmarks/saliency-speed: GIVEN = $(if $(RECORDING),--recording $(RECORDING),$(if $(QUICK),,--quick))
 
 benchmark = $(BIN)/python -m benchmarks.$(subst -,.,$(1)) $(QUICKLY) $(GIVEN)
 $(BENCHMARKS:%=benchmarks/%): benchmarks/%: $(BENCH)

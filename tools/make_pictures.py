@@ -12,6 +12,7 @@ from ipcli.report.animal import surfaces
 from ipcli.report.brdf import relief
 from ipcli.report.gaze.panorama import panorama
 from ipcli.report.kit import pictures, surface
+from ipcli.report.saliency.saliency import SALIENCY, marked
 
 ROOT = Path(__file__).resolve().parent.parent
 DEMO = ROOT / "build" / "demo"
@@ -107,6 +108,30 @@ def animal(arrays: dict[str, np.ndarray]) -> np.ndarray:
     return np.hstack(shots)
 
 
+def attention(arrays: dict[str, np.ndarray], count: int = 3) -> np.ndarray:
+    """Above: pictures with points of regard (red) and proto-objects (green). Below: their saliency, RGB."""
+    regards, images = arrays["regards/picture"], arrays["pictures/images"]
+    looked = np.bincount(regards, minlength=len(images)) + 100 * np.isin(
+        np.arange(len(images)), arrays["outlines/picture"]
+    )
+    groups = np.array_split(np.arange(len(images)), min(count, len(images)))
+    shown = [int(group[looked[group].argmax()]) for group in groups]
+    above = [marked(arrays, n) for n in shown]
+    size = above[0].shape[1::-1]
+    below = [cv2.resize(coloured(arrays["pictures/maps"][n], SALIENCY), size) for n in shown]
+    return np.vstack([np.hstack(above), np.hstack(below)])
+
+
+def materials(arrays: dict[str, np.ndarray], lights: int = 6, size: int = 110) -> np.ndarray:
+    """A ball of each material under some lights, RGB: a row a material."""
+    rows = []
+    for index in range(len(arrays["materials"])):
+        mine = np.flatnonzero(arrays["chart_material"] == index)
+        some = mine[np.linspace(0, len(mine) - 1, lights).round().astype(int)]
+        rows.append(np.hstack([relief.ball(arrays["charts"][j].astype(np.float64), size) for j in some]))
+    return np.vstack(rows)
+
+
 def enlarged(picture: np.ndarray, height: int) -> np.ndarray:
     """A picture of that height."""
     width = round(picture.shape[1] * height / picture.shape[0])
@@ -125,6 +150,8 @@ if __name__ == "__main__":
     write("fuse-depth", montage(h5.read(DEMO / "shapes.fused.h5", "fused-depth").arrays)[..., ::-1])
     gaze = panorama(h5.read(DEMO / "room.gaze.h5", "gaze-experiment").arrays)
     write("gaze-sfm", enlarged(gaze, 320)[..., ::-1])
+    looked_at = attention(h5.read(DEMO / "room.saliency.h5", "saliency").arrays)
+    write("saliency", enlarged(looked_at, 440)[..., ::-1])
     write("model-animal", animal(h5.read(DEMO / "animal.h5", "animal-model").arrays)[..., ::-1])
     write("brdf-model", object_in_a_photograph(h5.read(DEMO / "vase.h5", "brdf-object").arrays)[..., ::-1])
     write("mocap-train", behaviours(h5.read(DEMO / "motions.model.h5", "behaviours").arrays))

@@ -1,9 +1,9 @@
-"""Make sample_data/room: a generated room seen by a head-mounted stereo rig, with the head's path and gaze on targets.
+"""Make sample_data/room: somebody looks for red parcels in a generated room, seen by a head-mounted stereo rig.
 
     python tools/make_sample_room.py [FOLDER]
 
 An EuRoC folder (pictures, cam0_sensor.yaml, cam1_sensor.yaml, gt_cam0.tum) with gaze.csv and targets.csv. Everything
-follows from the seed.
+follows from the seed. Attention turns often, so that six seconds hold subsequences enough for `saliency` to learn from.
 """
 
 from __future__ import annotations
@@ -12,15 +12,16 @@ import argparse
 from pathlib import Path
 
 from experiments.gaze.room import Course, walk, write_euroc
+from experiments.saliency.search_tasks import task
 
 SEED = 3
-COURSE = Course(frames=44, width=400, height=300, rate=12.0, noise=1.0, picture_noise=1.0)
-QUALITY = 76
+COURSE = Course(frames=60, width=360, height=270, rate=10.0, noise=1.0, picture_noise=1.0, dwell=(0.6, 0.9))
+QUALITY = 72
 
 
 def main(folder: Path) -> None:
     """Write the sample."""
-    write_euroc(walk(COURSE, SEED), folder, jpeg=QUALITY)
+    write_euroc(walk(COURSE, SEED, task("red", SEED)), folder, jpeg=QUALITY)
 
 
 if __name__ == "__main__":

@@ -294,9 +294,9 @@ def _write_picture(stem: Path, image: np.ndarray, jpeg: int | None) -> None:
         return
     import cv2
 
-    atomic.write_bytes(
-        stem.with_suffix(".jpg"), cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, jpeg])[1].tobytes()
-    )
+    ordered = image if image.ndim == 2 else np.ascontiguousarray(image[..., ::-1])  # OpenCV takes BGR
+    data = cv2.imencode(".jpg", ordered, [cv2.IMWRITE_JPEG_QUALITY, jpeg])[1]
+    atomic.write_bytes(stem.with_suffix(".jpg"), data.tobytes())
 
 
 def _write_sensor(path: Path, camera: Camera) -> None:

@@ -37,8 +37,8 @@ def run(names: Collection[str], make: Callable[[Arguments], Findings], line: Seq
 
 
 def page_of(chapter: str, title: str, lead: str, *sections: Markup | None) -> str:
-    """The whole page: title, the makefile that it comes from, lead, and the sections that there are."""
-    return document(title, f"experiments/{chapter}/{chapter}.mk", lead, *(part for part in sections if part))
+    """The whole page: title, the folder whose makefiles make it, lead, and the sections that there are."""
+    return document(title, f"experiments/{chapter}", lead, *(part for part in sections if part))
 
 
 def quick_lead(data: str) -> str:

@@ -44,7 +44,7 @@ def findings(arguments: Arguments) -> Findings:
         features_table(arrays),
         *shown_items(arrays, 480),
     ]
-    return Findings(page_of("saliency", TITLES[arguments.name], lead + str(arrays["protocol"]), *sections), rows)
+    return Findings(page_of("saliency", TITLES[arguments.name], f"{lead}{arrays['protocol']}.", *sections), rows)
 
 
 def _apart(arrays: dict[str, np.ndarray]):

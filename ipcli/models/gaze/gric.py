@@ -6,7 +6,9 @@ one-sided transfer error carries the noise of both pictures and picks the fundam
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -77,16 +79,24 @@ def motion(first: np.ndarray, second: np.ndarray, sigma: float, seed: int = 0) -
     if len(first) < LEAST:
         return FrameMotion(nothing, nothing, float("nan"), float("nan"), len(first), flow)
     cv2.setRNGSeed(seed)
-    f, _ = cv2.findFundamentalMat(first, second, cv2.USAC_MAGSAC, 2 * sigma, 0.999, 2000)
-    h, _ = cv2.findHomography(first, second, cv2.USAC_MAGSAC, 3 * sigma, None, 2000, 0.999)
+    f = _fitted(lambda: cv2.findFundamentalMat(first, second, cv2.USAC_MAGSAC, 2 * sigma, 0.999, 2000))
+    h = _fitted(lambda: cv2.findHomography(first, second, cv2.USAC_MAGSAC, 3 * sigma, None, 2000, 0.999))
     scores = [
-        float("inf") if model is None or model.shape != (3, 3) else gric(distance(model, first, second), sigma, shape)
+        float("inf") if model is None else gric(distance(model, first, second), sigma, shape)
         for model, distance, shape in ((f, sampson_fundamental, F_SHAPE), (h, sampson_homography, H_SHAPE))
     ]
-    return FrameMotion(
-        nothing if f is None or f.shape != (3, 3) else f, nothing if h is None else h, scores[0], scores[1],
-        len(first), flow,
-    )  # fmt: skip
+    return FrameMotion(nothing if f is None else f, nothing if h is None else h, scores[0], scores[1], len(first), flow)
+
+
+def _fitted(fit: Callable[[], tuple[Any, Any]]) -> np.ndarray | None:
+    """The model (3, 3) that OpenCV fits, or None: it gives up by an error where a refined sample is degenerate."""
+    import cv2
+
+    try:
+        model = fit()[0]
+    except cv2.error:
+        return None
+    return model if model is not None and model.shape == (3, 3) else None
 
 
 def change(found: FrameMotion, before: np.ndarray, now: np.ndarray, rule: str = "sampson") -> float:

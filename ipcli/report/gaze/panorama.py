@@ -17,7 +17,7 @@ def with_regards(a: Mapping[str, np.ndarray], n: int) -> np.ndarray:
     """The n-th picture kept, with the points of regard of its frame."""
     import cv2
 
-    image = np.ascontiguousarray(a["pictures"][n])
+    image = np.array(a["pictures"][n])  # a copy: the artefact is drawn from, never drawn into
     if "shown/frame" not in a:
         return image
     scale = image.shape[1] / a["rig/sizes"][0, 0]

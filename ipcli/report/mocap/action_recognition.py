@@ -103,7 +103,16 @@ def _segments(arrays: Mapping[str, np.ndarray], kind: str, clip: str) -> list[la
     return [lanes.Segment(float(times[n, 0]), float(times[n, 1]), str(names[n]), float(sure[n])) for n in mine]
 
 
-def _confusions(arrays: Mapping[str, np.ndarray]) -> Markup:
+def answers_matrix(arrays: Mapping[str, np.ndarray]) -> Markup:
+    """The matrix of confusions of an `action-recognition` as SVG: labels of the clips over answers, in percent."""
+    rows, columns, counts = _counted(arrays)
+    kept = counts.sum(axis=1) > 0
+    named = [name for name, keep in zip(rows, kept, strict=True) if keep]
+    return confusion.matrix(counts[kept], named, columns, "Answers")
+
+
+def _counted(arrays: Mapping[str, np.ndarray]) -> tuple[list[str], list[str], np.ndarray]:
+    """Labels, answers, and how many clips of each label got each answer."""
     actions = [str(action) for action in arrays["actions"]]
     columns = [*actions, "none"] if (arrays["answers"] == "none").any() else actions
     rows = list(dict.fromkeys([*actions, *(str(name) for name in np.unique(arrays["truth"]) if name)]))
@@ -112,14 +121,15 @@ def _confusions(arrays: Mapping[str, np.ndarray]) -> Markup:
     counts = np.zeros((len(rows), len(columns)), np.int64)
     for truth, answer in pairs:
         counts[rows.index(str(truth)), columns.index(str(answer))] += 1
-    kept = counts.sum(axis=1) > 0
-    drawn = confusion.matrix(
-        counts[kept], [name for name, keep in zip(rows, kept, strict=True) if keep], columns, "Answers"
-    )
+    return rows, columns, counts
+
+
+def _confusions(arrays: Mapping[str, np.ndarray]) -> Markup:
+    actions, rows = [str(action) for action in arrays["actions"]], _counted(arrays)[0]
     lead = "Rows are the labels of the clips, columns the answers, in percent of the row."
     if strange := [name for name in rows if name not in actions]:
         lead += f" The model never learnt {', '.join(strange)}: none is right there."
-    return section("Confusions", element("div", drawn, class_="beside"), lead=lead)
+    return section("Confusions", element("div", answers_matrix(arrays), class_="beside"), lead=lead)
 
 
 def _answers(arrays: Mapping[str, np.ndarray]) -> Markup:

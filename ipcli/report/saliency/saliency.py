@@ -46,7 +46,7 @@ def marked(a: Mapping[str, np.ndarray], n: int) -> np.ndarray:
     """The n-th picture with points of regard in red and predicted patches in green (figure 3.15)."""
     import cv2
 
-    image = np.ascontiguousarray(a["pictures/images"][n])
+    image = np.array(a["pictures/images"][n])  # a copy: the artefact is drawn from, never drawn into
     mine = a["outlines/picture"] == n
     for item in np.unique(a["outlines/object"][mine]):
         rim = np.rint(a["outlines/pixels"][mine & (a["outlines/object"] == item)]).astype(np.int32)

@@ -135,7 +135,8 @@ def _publish(job: Job, arrays: Arrays, record: dict[str, Any], standing: Standin
     with ExitStack() as stack:
         drafts = {path: stack.enter_context(atomic.drafting(path)) for path in (*job.beside, job.output)}
         with ThreadPoolExecutor() as pool:
-            writing = [pool.submit(write, drafts[path], arrays, record) for path, write in job.beside.items()]
+            shared = _read_only(arrays)
+            writing = [pool.submit(write, drafts[path], shared, record) for path, write in job.beside.items()]
             h5.write(drafts[job.output], job.kind, arrays, record)
         for written in writing:
             written.result()
@@ -143,6 +144,14 @@ def _publish(job: Job, arrays: Arrays, record: dict[str, Any], standing: Standin
         if _is_still(job, standing, record["digest"]):
             _give_names(job, drafts, files, standing)
     return files
+
+
+def _read_only(arrays: Arrays) -> Arrays:
+    """The same data, not to be written to: what draws a page would otherwise draw into the artefact being written."""
+    views = {name: np.asarray(array).view() for name, array in arrays.items()}
+    for view in views.values():
+        view.flags.writeable = False
+    return views
 
 
 def _is_still(job: Job, standing: Standing, digest: str) -> bool:

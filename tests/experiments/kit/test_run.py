@@ -73,7 +73,7 @@ def test_a_run_leaves_the_page_the_table_and_the_figures(tmp_path):
     run(["box"], findings, ["box", str(out), "a.h5"])
     sound(out.read_text())
     assert "quick look at toys" in out.read_text()
-    assert "experiments/toy/toy.mk" in out.read_text()
+    assert "experiments/toy" in out.read_text()
     assert json.loads(out.with_suffix(".json").read_text()) == {"of": "box", "rows": [{"n": 1}]}
     assert sorted(path.name for path in (out.parent / "figures").iterdir()) == [
         f"{name}.{suffix}" for name in ("chart", "panel") for suffix in ("pdf", "png")
@@ -125,14 +125,17 @@ def test_every_experiment_that_a_makefile_names_can_be_planned(tmp_path, quick):
 
 def test_benchmarks_of_all_chapters_are_run_and_quick_if_asked(tmp_path):
     for quick in ((), ("QUICK=1",)):
-        plan = make(tmp_path, "-n", *quick, "benchmarks")
+        plan = make(tmp_path, "-n", *quick, "benchmarks", "RECORDING=walk")
         run = [line for line in plan.splitlines() if "-m benchmarks." in line]
         assert [line.split("-m benchmarks.")[1].split()[0] for line in run] == [
             *("fusion.solver", "fusion.baselines", "fusion.scaling"),
             *("mocap.gibbs", "mocap.speed", "mocap.peers"),
-            "gaze.paths",
+            *("gaze.paths", "saliency.speed"),
         ]
         assert all(("--quick" in line) == bool(quick) for line in run)
+        assert all("--recording walk" in line for line in run[-2:])
+    alone = make(tmp_path, "-n", "benchmarks/gaze-paths", "benchmarks/saliency-speed")
+    assert alone.count("--quick") == 2  # without a recording, a generated one
 
 
 def test_every_experiment_tells_its_usage():

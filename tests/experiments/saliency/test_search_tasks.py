@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from experiments.gaze import room
 from experiments.saliency import search_tasks
+from ipcli.io.gaze import layouts
 from ipcli.schema import kind, validate
 from tests.fixtures import search
 
@@ -45,3 +47,14 @@ def test_the_experiment_is_whole_and_points_of_regard_lie_on_parcels():
     places = search_tasks.task("red", 5).targets
     off = np.linalg.norm(a["por/points"][hit, None] - places, axis=2).min(axis=1)
     assert np.median(off) < 1.6 * search_tasks.PARCEL
+
+
+def test_parcels_have_their_hue_in_the_files_of_a_recording_too(tmp_path):
+    """JPEG, as the sample is written: red parcels once came out blue."""
+    walked = room.walk(room.Course(frames=2, width=120, height=90), 3, search_tasks.task("red", 3))
+    room.write_euroc(walked, tmp_path, jpeg=90)
+    written = layouts.open_recording(tmp_path).load(0).colour.astype(int)
+    meant = walked.recording.load(0).colour.astype(int)
+    assert np.abs(written - meant).mean() < 12
+    vivid = np.ptp(meant, axis=2) > 90
+    assert (meant[vivid].argmax(axis=1) == written[vivid].argmax(axis=1)).mean() > 0.9

@@ -1,5 +1,6 @@
 """GRIC: which model explains generated motions (research table), residuals that treat both pictures alike."""
 
+import cv2
 import numpy as np
 import pytest
 
@@ -93,3 +94,28 @@ def test_too_few_matches_say_nothing():
     found = gric.motion(np.zeros((4, 2)), np.zeros((4, 2)), 0.5)
     assert np.isnan(found.score_f)
     assert np.isnan(gric.change(found, np.zeros(2), np.zeros(2)))
+
+
+@pytest.mark.parametrize("seed", [306, 454, 582, 1296, 1319])
+def test_matches_on_which_opencv_fails_an_assertion_have_a_homography_and_no_fundamental_matrix(seed):
+    """All but two are shifted alike, which any F with the right epipole explains: OpenCV 5.0 raises."""
+    rng = np.random.default_rng(seed)
+    pixels = rng.uniform(0, 360, (int(rng.integers(16, 40)), 2))
+    assert rng.integers(3) == 0
+    moved = pixels + rng.uniform(-50, 50, 2) + rng.normal(0, 0.01, pixels.shape)
+    bad = rng.random(len(pixels)) < rng.uniform(0, 0.9)
+    moved[bad] = rng.uniform(0, 360, (bad.sum(), 2))
+    found = gric.motion(pixels, moved, 0.5)
+    assert np.isfinite(found.score_h)
+    assert not found.is_parallax
+
+
+def test_a_fit_that_opencv_gives_up_is_no_model(monkeypatch):
+    def gives_up(*_):
+        raise cv2.error("!model.empty()")
+
+    monkeypatch.setattr(cv2, "findFundamentalMat", gives_up)
+    monkeypatch.setattr(cv2, "findHomography", gives_up)
+    found = gric.motion(*matches(np.random.default_rng(1), 2.5), 0.5)
+    assert np.isnan([found.fundamental, found.homography]).all()
+    assert np.isnan(gric.change(found, np.zeros(2), np.ones(2)))

@@ -32,7 +32,12 @@ def test_a_page_without_gaze_has_no_table_of_errors(provenance):
 
 
 def test_regards_are_red_and_predicted_patches_green(artefact):
+    before = artefact["pictures/images"].copy()
     image = marked(artefact, 0)
+    assert (artefact["pictures/images"] == before).all()
+    bare = marked(artefact | {"outlines/picture": np.full_like(artefact["outlines/picture"], -1)}, 0)
+    assert (artefact["pictures/images"] == before).all()
+    assert (bare != image).any()
     colours = {tuple(pixel) for pixel in image.reshape(-1, 3).tolist()}
     assert RED in colours
     assert GREEN in colours

@@ -116,3 +116,15 @@ def test_a_failure_anywhere_publishes_nothing(maker):
         make(job, lambda: maker.build(4), Run(overwrite=True))
     assert maker.bytes() == before
     assert sorted(path.name for path in maker.output.parent.iterdir()) == ["a.txt", "a.views.h5", "a.views.run.json"]
+
+
+def test_what_is_written_beside_cannot_draw_into_the_artefact(maker):
+    """Side files are written at the same time: a page that marks a picture in place spoiled the picture's checksum."""
+
+    def marks(path, arrays, provenance):
+        arrays["views/0/depth"][0] = 7.0
+
+    maker.write_side = marks
+    with pytest.raises(ValueError, match="read-only"):
+        maker()
+    assert not maker.output.exists()
