@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from ipcli.errors import ParameterError, nearest
+
+
+def natural(name: str) -> tuple[list[tuple[int, str]], str]:
+    """The key of the order in which people number things: 2 before 10, whatever stands around the numbers."""
+    parts = re.split(r"([0-9]+)", name)
+    return [(int(part), "") if k % 2 else (0, part) for k, part in enumerate(parts)], name
 
 
 def window(names: Sequence[str], reference: str, k: int) -> tuple[str, ...]:

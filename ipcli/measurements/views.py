@@ -48,6 +48,7 @@ class Views:
     baseline_focal: float | None  # pixels * unit: disparity = baseline_focal / depth
     load: Loader
     files: Callable[[str], tuple[Path, ...]]  # the files a view is made of, for the provenance
+    notes: tuple[str, ...] = ()  # what a user should know of the source: items left out, and why
 
     def __repr__(self) -> str:
         ends = " ... ".join(repr(name) for name in dict.fromkeys((self.names[0], self.names[-1]))) if self.names else ""

@@ -7,7 +7,7 @@ from ipcli.schema.fields import DISTANCE, FINITE, WEIGHT, Domain, Field, Kind, R
 VIEWS = Kind(
     "views",
     1,
-    "Depth maps with cameras, each of its own size. The items in order of their names are the sequence.",
+    "Depth maps with cameras, each of its own size. The items in order of their names, 2 before 10, are the sequence.",
     (
         Field("views/*/depth", "float32", ("h", "w"), "unit", "Depth along the optical axis", domain=DISTANCE),
         Field(

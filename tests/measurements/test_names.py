@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipcli.errors import ParameterError
-from ipcli.measurements.names import position, window
+from ipcli.measurements.names import natural, position, window
 
 
 @given(st.integers(1, 30), st.data())
@@ -32,3 +32,8 @@ def test_the_position_of_a_name_is_its_index_and_a_missing_one_is_told_by_kind()
     assert position(("a", "b", "c"), "b") == 1
     with pytest.raises(ParameterError, match="no scene 'd' among the 1 there are"):
         position(("c",), "d", "scene")
+
+
+def test_numbers_in_names_count_as_numbers():
+    names = ["b2", "a10", "10", "2", "a9", "a9b10", "a9b2", "02"]
+    assert sorted(names, key=natural) == ["02", "2", "10", "a9", "a9b2", "a9b10", "a10", "b2"]

@@ -13,47 +13,73 @@ import numpy as np
 
 from ipcli.errors import FormatError, IpcliError
 from ipcli.inputs import check_file
-from ipcli.io.files import atomic, npz
+from ipcli.io.files import atomic, exr, npz
 
 PNG = b"\x89PNG\r\n\x1a\n"
 JPEG, JPEG_SCAN, JPEG_END = b"\xff\xd8\xff", b"\xff\xda", b"\xff\xd9"
 SATURATED = 65535
-DEPTH_SUFFIXES = (".png", ".pfm", ".tif", ".tiff", ".npy", ".npz")
+DEPTH_SUFFIXES = (".png", ".pfm", ".tif", ".tiff", ".npy", ".npz", ".exr")
+FAR, FAR_PIXELS = 1000.0, 10  # of the median of the rest, and so many pixels alike: a background without a surface
 
 
-def read_depth(path: Path, scale: float | None = None) -> np.ndarray:
-    """Depth (h, w) float32 in the unit of the scene, NaN where missing (stored 0, NaN, or 65535 of 16 bits).
+def read_depth(
+    path: Path, scale: float | None = None, missing_value: float | None = None, what: str = "depth"
+) -> np.ndarray:
+    """Depth (h, w) float32 in the unit of the scene, NaN where missing.
 
-    16-bit files need `scale`; floats are taken as they are when it is None. FormatError for an unreadable file, an
-    unknown scale, or negative or infinite depth, with the count and the first pixel.
+    Missing are a stored 0, NaN or infinity, 65535 of 16 bits, `missing_value`, and in floats the value that renderers
+    write where no surface is (see `far_plane`). Integers need `scale`; floats are taken as they are when it is None.
+    FormatError for an unreadable file, an unknown scale, or negative values, with the count and the first pixel, which
+    are called `what`.
     """
     stored = _stored(Path(path))
     if stored.ndim != 2 or not stored.size:
         raise FormatError(path, "not one depth map", expected="shape (h, w)", got=stored.shape)
-    if stored.dtype == np.uint16:
+    missing = stored == 0
+    if missing_value is not None:
+        missing |= stored == missing_value
+    if stored.dtype.kind in "iu" and stored.dtype.itemsize > 1:
         if scale is None:
+            bits = 8 * stored.dtype.itemsize
             raise FormatError(
-                path, "16-bit depth of unknown scale", fix="Give the depth scale: stored value = scale * depth"
+                path, f"{bits}-bit {what} of unknown scale", fix="Give the depth scale: stored value = scale * depth"
             )
-        missing = (stored == 0) | (stored == SATURATED)
+        if stored.dtype == np.uint16:
+            missing |= stored == SATURATED
     elif stored.dtype.kind == "f":
-        missing = (stored == 0) | np.isnan(stored)
-        _refuse(path, stored, "negative or infinite depth", ~missing & ~((stored > 0) & np.isfinite(stored)))
+        missing |= np.isnan(stored) | (stored == np.inf)
+        missing |= stored == far_plane(stored[~missing])
     else:
-        raise FormatError(path, "wrong type of depth", expected="16-bit integers or floats", got=stored.dtype)
+        known = "floats, or integers of 16 bits or more"
+        known = "floats, or integers of 16 bits or more"
+        raise FormatError(path, f"wrong type of {what}", expected=known, got=stored.dtype)
+    fix = "Say which value means no data with --missing, or mark it as NaN" if what == "depth" else "Give values >= 0"
+    _refuse(path, stored, f"negative {what}", ~missing & (stored < 0), fix)
     with np.errstate(over="ignore", under="ignore"):
         depth = np.where(missing, np.nan, stored.astype(np.float64) / (scale or 1.0)).astype(np.float32)
-    _refuse(path, stored, "depth that 32-bit floats cannot hold", ~missing & ~((depth > 0) & np.isfinite(depth)))
+    bad = ~missing & ~((depth > 0) & np.isfinite(depth))
+    _refuse(path, stored, f"{what} that 32-bit floats cannot hold", bad, "Mark missing values as NaN")
     return depth
 
 
-def _refuse(path: Path, stored: np.ndarray, what: str, bad: np.ndarray) -> None:
+def far_plane(known: np.ndarray) -> float:
+    """The value that stands for "no surface" in known values (n,), NaN if none does: renderers write 1e10, 65504, ...
+
+    It is the largest, many pixels have exactly it, and it is far beyond all others.
+    """
+    largest = known.max() if known.size else 0.0
+    rest = known[known < largest]
+    if rest.size < 10 * FAR_PIXELS:
+        return float("nan")
+    alone = known.size - rest.size >= FAR_PIXELS and largest > FAR * np.median(np.abs(rest))
+    return float(largest) if alone and largest > FAR / 10 * rest.max() else float("nan")
+
+
+def _refuse(path: Path, stored: np.ndarray, what: str, bad: np.ndarray, fix: str) -> None:
     if bad.any():
         row, column = (int(index) for index in np.argwhere(bad)[0])
         first = f"{int(bad.sum())} pixels, the first {stored[row, column]} at row {row}, column {column}"
-        raise FormatError(
-            path, what, expected="depth > 0, 0 or NaN where missing", got=first, fix="Mark missing depth as NaN"
-        )
+        raise FormatError(path, what, expected="values > 0, 0 or NaN where missing", got=first, fix=fix)
 
 
 def _stored(path: Path) -> np.ndarray:
@@ -71,6 +97,8 @@ def _stored(path: Path) -> np.ndarray:
         return _npy(path, data)
     if suffix == ".pfm":
         return _pfm(path, data)
+    if suffix == ".exr":
+        return exr.decode(path, data)
     if suffix in DEPTH_SUFFIXES:
         return decoded(path, data, as_colour=False)
     raise FormatError(path, "not a depth file", expected=" ".join(DEPTH_SUFFIXES), got=suffix or "no suffix")
@@ -145,7 +173,7 @@ def decoded(path: Path, data: bytes, as_colour: bool) -> np.ndarray:
     finally:
         cv2.utils.logging.setLogLevel(level)
     if image is None:
-        raise FormatError(path, "not a readable image")
+        raise FormatError(path, "not a readable image" if data else "empty file", fix="Copy it again")
     return np.ascontiguousarray(image[..., ::-1]) if as_colour else image
 
 

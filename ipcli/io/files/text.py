@@ -11,6 +11,7 @@ import numpy as np
 from ipcli.errors import FormatError, ParameterError
 from ipcli.inputs import check_file
 from ipcli.io.files.images import read_image
+from ipcli.measurements.names import natural
 
 IMAGES = (".png", ".jpg", ".jpeg")
 ENDS = ("\x1a", "\0")  # Ctrl-Z and zeros, which DOS put after the end of a text
@@ -25,12 +26,12 @@ def require_folder(folder: Path) -> Path:
 
 
 def by_stem(folder: Path, suffixes: Sequence[str]) -> dict[str, Path]:
-    """Files of a folder with one of the suffixes, by stem in alphabetical order; empty when the folder is absent.
+    """Files of a folder with one of the suffixes, by stem in natural order; empty when the folder is absent.
 
     Two files of one stem raise FormatError: which of them was meant cannot be known.
     """
     found: dict[str, Path] = {}
-    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+    for path in sorted(folder.iterdir(), key=lambda path: natural(path.name)) if folder.is_dir() else ():
         if path.suffix.lower() not in suffixes or path.name.startswith("."):
             continue
         if path.stem in found:
@@ -50,6 +51,11 @@ def comment_free(path: Path) -> list[tuple[int, str]]:
         (number, text.split("#", 1)[0].strip()) for number, text in enumerate(read_text(path).splitlines(), start=1)
     )
     return [(number, text) for number, text in lines if text]
+
+
+def words(line: str) -> list[str]:
+    """The words of a line, apart by spaces, tabs, commas or semicolons."""
+    return line.replace(",", " ").replace(";", " ").split()
 
 
 def read_text(path: Path) -> str:
@@ -120,12 +126,26 @@ def numbers(path: Path, line: int, tokens: Sequence[str], counts: Sequence[int])
 
 def read_matrix(path: Path, shape: tuple[int, int]) -> np.ndarray:
     """A text file that holds one matrix, a row a line."""
-    rows = [numbers(path, line, text.split(), [shape[1]]) for line, text in comment_free(path)]
+    rows = [numbers(path, line, words(text), [shape[1]]) for line, text in comment_free(path)]
     if len(rows) != shape[0]:
         raise FormatError(
             path, "wrong number of rows", expected=shape[0], got=len(rows), fix=f"Give a {shape[0]} x {shape[1]} matrix"
         )
     return np.array(rows)
+
+
+def read_camera_matrix(path: Path) -> np.ndarray:
+    """A camera matrix (3, 3) from a text file that holds it, or it in the corner of a 3 x 4 or 4 x 4 matrix."""
+    rows = [numbers(path, line, words(text), [3, 4]) for line, text in comment_free(path)]
+    if len(rows) not in (3, 4) or len({row.size for row in rows}) > 1 or len(rows) > rows[0].size:
+        got = f"rows of {', '.join(str(row.size) for row in rows) or 'nothing'}"
+        raise FormatError(path, "not a camera matrix", expected="3 x 3, 3 x 4 or 4 x 4", got=got, fix="Give 3 x 3")
+    matrix = np.array(rows)
+    padding = np.eye(4)[: len(rows), : matrix.shape[1]].copy()
+    padding[:3, :3] = matrix[:3, :3]
+    if not np.array_equal(matrix, padding):
+        raise FormatError(path, "a camera matrix with numbers outside its 3 x 3 corner", fix="Give the 3 x 3 matrix")
+    return matrix[:3, :3]
 
 
 def inverse(path: Path, pose: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.io.files import h5
+from ipcli.measurements.names import natural
 from ipcli.measurements.views import View, Views, check_view
 
 PICTURES = ("image", "truth")
@@ -18,7 +19,7 @@ def read_views(path: Path) -> Views:
     """The sequence in a `views` artefact."""
     fields = h5.names(path)
     shared = h5.read(path, "views", only=lambda field: not field.startswith("views/")).arrays
-    names = tuple(sorted({field.split("/")[1] for field in fields if field.startswith("views/")}))
+    names = tuple(sorted({field.split("/")[1] for field in fields if field.startswith("views/")}, key=natural))
     baseline_focal = float(shared["baseline_focal"]) if "baseline_focal" in shared else None
 
     def load(name: str, pictures: bool = True) -> View:

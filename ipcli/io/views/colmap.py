@@ -6,6 +6,7 @@ scale of a reconstruction from images is arbitrary, so the unit is "colmap unit"
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.io.files import text
+from ipcli.measurements.names import natural
 from ipcli.measurements.views import View, Views, check_view
 
 DEPTH_KINDS = ("geometric", "photometric")  # the consistent maps first: they hold fewer outliers
@@ -39,7 +41,8 @@ def open_colmap(folder: Path, *, depth: str | None = None) -> Views:
     """
     kind = depth or _kind(folder)
     found: dict[str, _Picture] = {}
-    for name, picture in _pictures(folder, kind).items():
+    pictures, unposed = _pictures(folder, kind)
+    for name, picture in pictures.items():
         flat = name.replace("/", "_")
         if flat in found:
             raise FormatError(folder / "images", f"two images would be named '{flat}'", fix="Rename one of them")
@@ -61,7 +64,24 @@ def open_colmap(folder: Path, *, depth: str | None = None) -> Views:
         seen = (picture.image,) if picture.image.is_file() else ()
         return (picture.depth, *seen, *_model_files(folder))
 
-    return Views(tuple(sorted(found)), "colmap unit", "depth", None, load, files)
+    notes = _left_out(folder, kind, pictures, found, unposed)
+    return Views(tuple(sorted(found, key=natural)), "colmap unit", "depth", None, load, files, notes)
+
+
+def _left_out(
+    folder: Path, kind: str, pictures: Mapping[str, _Picture], found: Mapping[str, _Picture], unposed: int
+) -> tuple[str, ...]:
+    """In words how many images have no depth map, and how many depth maps no pose."""
+    maps = folder / "stereo" / "depth_maps"
+    taken = {picture.depth for picture in found.values()}
+    strange = sum(path not in taken for path in maps.rglob(f"*.{kind}.bin"))
+    blind = len(pictures) - len(found)
+    notes = [f"{blind} of {len(pictures)} registered images left out: no {kind} depth map"] if blind else []
+    notes += [f"{unposed} images of the model left out: no pose"] if unposed else []
+    return (
+        *notes,
+        *([f"{strange} {kind} depth maps left out: their image is not registered in sparse/"] * (strange > 0)),
+    )
 
 
 def read_depth_map(path: Path) -> np.ndarray:
@@ -113,16 +133,32 @@ def _kind(folder: Path) -> str:
 def _model_files(folder: Path) -> tuple[Path, ...]:
     return tuple(
         sorted(
-            path for stem in ("cameras", "images", "frames", "rigs") for path in (folder / "sparse").glob(f"{stem}.*")
+            path for stem in ("cameras", "images", "frames", "rigs") for path in model_folder(folder).glob(f"{stem}.*")
         )
     )
 
 
-def _pictures(folder: Path, kind: str) -> dict[str, _Picture]:
-    """Registered images by name. Only plain arrays leave: pycolmap's objects die with the reconstruction."""
+def model_folder(folder: Path) -> Path:
+    """sparse/ itself, or the one numbered model in it, as `colmap mapper` writes; FormatError for more."""
+    sparse = folder / "sparse"
+    if any(sparse.glob("cameras.*")):
+        return sparse
+    models = [path for path in sorted(sparse.iterdir()) if any(path.glob("cameras.*"))]
+    if len(models) > 1:
+        fix = "Put the files of the one that the depth maps were made with into sparse/ itself"
+        raise FormatError(sparse, f"{len(models)} models: {', '.join(path.name for path in models)}", fix=fix)
+    return models[0] if models else sparse
+
+
+def _pictures(folder: Path, kind: str) -> tuple[dict[str, _Picture], int]:
+    """Registered images by name, and how many have no pose.
+
+    Only plain arrays leave: pycolmap's objects die with the reconstruction.
+    """
     import pycolmap
 
-    sparse = folder / "sparse"
+    sparse = model_folder(folder)
+    check_counts(sparse)
     try:
         model = pycolmap.Reconstruction(str(sparse))
     except (ValueError, IndexError, RuntimeError) as error:
@@ -132,9 +168,10 @@ def _pictures(folder: Path, kind: str) -> dict[str, _Picture]:
             expected="cameras, images and points3D as .bin or .txt",
             fix="Run `colmap image_undistorter` again",
         ) from None
-    pictures = {}
+    pictures, unposed = {}, 0
     for _, image in sorted(model.images.items()):
         if not image.has_pose:
+            unposed += 1
             continue
         camera = image.camera
         if camera.model.name not in ("PINHOLE", "SIMPLE_PINHOLE"):
@@ -151,7 +188,23 @@ def _pictures(folder: Path, kind: str) -> dict[str, _Picture]:
         pictures[image.name] = _Picture(
             folder / "images" / image.name, depth, np.array(camera.calibration_matrix()), size, pose
         )
-    return pictures
+    return pictures, unposed
+
+
+LEAST_BYTES = {"cameras": 24, "images": 65, "rigs": 8, "frames": 8, "points3D": 43}  # of an item of each binary file
+
+
+def check_counts(sparse: Path) -> None:
+    """FormatError for a binary model file too short for its own count: pycolmap would read on without end."""
+    for stem, least in LEAST_BYTES.items():
+        path = sparse / f"{stem}.bin"
+        if path.is_file():
+            size = path.stat().st_size
+            with path.open("rb") as stream:
+                count = int.from_bytes(stream.read(8), "little")
+            if size < 8 or count * least > size - 8:
+                got, fix = f"{size} bytes for {count} items", "Run `colmap image_undistorter` again"
+                raise FormatError(path, "cut or empty", expected=f"{least} bytes an item or more", got=got, fix=fix)
 
 
 def _view(name: str, picture: _Picture, with_image: bool) -> View:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Mapping
 from collections.abc import Sequence as Ordered
@@ -13,6 +14,7 @@ import numpy as np
 from ipcli.errors import FormatError, ParameterError
 from ipcli.io.files import text
 from ipcli.io.files.images import read_depth
+from ipcli.measurements.names import natural
 from ipcli.measurements.views import View, Views, check_view
 
 PRIMESENSE = (525.0, 525.0, 319.5, 239.5)  # also the default of ROS, for 640 x 480
@@ -26,6 +28,8 @@ FREIBURG = {
 }
 MILLIMETRES = 1000.0
 TUM_SCALE = 5000.0
+OPEN3D_CAMERAS = ("camera_intrinsic.json", "intrinsic.json", "camera.json")
+SCANNET_CAMERA = "intrinsic/intrinsic_depth.txt"
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +73,7 @@ def open_tum(
         if posed is not None:
             image = None if seen is None else images[seen]
             frames[path.stem] = _Frame(path, image, pose_file, poses[posed])
+    left = len(depth) - len(frames)
     if not frames:
         raise FormatError(
             pose_file,
@@ -76,7 +81,8 @@ def open_tum(
             fix="Check that both use the same clock, or raise max_gap",
         )
     camera = intrinsics or _freiburg(folder)
-    return _sequence(folder, frames, text.camera_matrix(camera), depth_scale)
+    note = f"{left} of {len(depth)} depth images left out: no pose within {max_gap:g} s (--set source.max_gap=SECONDS)"
+    return _sequence(folder, frames, text.camera_matrix(camera), depth_scale, (note,) if left else ())
 
 
 def open_open3d(
@@ -84,23 +90,26 @@ def open_open3d(
     *,
     intrinsics: Ordered[float] | None = None,
     depth_scale: float = MILLIMETRES,
-    trajectory: str = "trajectory.log",
+    trajectory: str | None = None,
 ) -> Views:
     """A folder of Open3D's reconstruction system: depth/, image/ or color/ or rgb/, and a trajectory.
 
     The k-th pose of the trajectory (camera to world) belongs to the k-th depth image when there are as many of each;
-    otherwise the number in the file name picks the pose. Intrinsics default to PrimeSense's, which hold for 640 x 480
-    only.
+    otherwise the number in the file name picks the pose. The trajectory is trajectory.log or the only .log there is.
+    Intrinsics are those of camera_intrinsic.json, if it is there, else PrimeSense's, which hold for 640 x 480 only.
     """
     depths = text.by_stem(folder / "depth", (".png",))
     images = next(
         (found for name in ("image", "color", "rgb") if (found := text.by_stem(folder / name, text.IMAGES))), {}
     )
-    pose_file = folder / trajectory
+    pose_file = folder / trajectory if trajectory else _trajectory(folder)
     poses = text.read_trajectory_log(pose_file)
     frames = {}
     for (stem, name), pose in zip(_padded(depths).items(), _matched(folder, depths, poses), strict=True):
         frames[name] = _Frame(depths[stem], images.get(stem), pose_file, pose)
+    own = next((folder / name for name in OPEN3D_CAMERAS if (folder / name).is_file()), None)
+    if intrinsics is None and own and frames:
+        return _sequence(folder, frames, _open3d_camera(own, next(iter(frames.values())).depth), depth_scale)
     if intrinsics is None and frames:
         _require_vga(next(iter(frames.values())).depth)
     return _sequence(folder, frames, text.camera_matrix(intrinsics or PRIMESENSE), depth_scale)
@@ -127,7 +136,57 @@ def open_seven_scenes(
     return _sequence(folder, frames, text.camera_matrix(intrinsics or SEVEN_SCENES), depth_scale)
 
 
-def _sequence(folder: Path, frames: Mapping[str, _Frame], intrinsics: np.ndarray, depth_scale: float) -> Views:
+def _trajectory(folder: Path) -> Path:
+    """trajectory.log, or the only .log file; FormatError when there are several."""
+    logs = sorted(folder.glob("*.log"))
+    if folder / "trajectory.log" in logs or len(logs) == 1:
+        return folder / "trajectory.log" if len(logs) > 1 else logs[0]
+    fix = "Name it: --set source.trajectory=FILE.log"
+    raise FormatError(folder, "which .log is the trajectory?", got=", ".join(path.name for path in logs), fix=fix)
+
+
+def _open3d_camera(path: Path, depth: Path) -> np.ndarray:
+    """The camera matrix of Open3D's JSON, column by column there; FormatError when it is of another image size."""
+    fix = "Give the camera of the depth images as --intrinsics fx,fy,cx,cy"
+    try:
+        given = json.loads(text.read_text(path))
+        matrix = np.array(given["intrinsic_matrix"], np.float64).reshape(3, 3).T
+        size = (int(given["width"]), int(given["height"]))
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
+        raise FormatError(path, f"not a camera of Open3D: {' '.join(str(error).split())}", fix=fix) from None
+    height, width = read_depth(depth, MILLIMETRES).shape
+    if size != (width, height):
+        raise FormatError(path, "camera of another image size", expected=f"{width} x {height}", got=size, fix=fix)
+    return matrix
+
+
+def is_scannet(folder: Path) -> bool:
+    """Whether the folder has depth/N.png, pose/N.txt and intrinsic/intrinsic_depth.txt, as ScanNet is exported."""
+    return all((folder / part).exists() for part in ("depth", "pose", SCANNET_CAMERA))
+
+
+def open_scannet(folder: Path, *, intrinsics: Ordered[float] | None = None, depth_scale: float = MILLIMETRES) -> Views:
+    """A ScanNet scene as exported: poses are camera to world; frames whose pose is unknown (-inf) are left out."""
+    depths = text.by_stem(folder / "depth", (".png",))
+    poses = text.by_stem(folder / "pose", (".txt",))
+    images = text.by_stem(folder / "color", text.IMAGES)
+    frames, padded = {}, _padded(depths)
+    for stem, name in padded.items():
+        if stem in poses and np.isfinite(text.read_matrix(poses[stem], (4, 4))).all():
+            frames[name] = _Frame(depths[stem], images.get(stem), poses[stem])
+    camera = text.camera_matrix(intrinsics) if intrinsics else text.read_camera_matrix(folder / SCANNET_CAMERA)
+    left = len(depths) - len(frames)
+    note = f"{left} of {len(depths)} depth images left out: no known pose in pose/"
+    return _sequence(folder, frames, camera, depth_scale, (note,) if left else ())
+
+
+def _sequence(
+    folder: Path,
+    frames: Mapping[str, _Frame],
+    intrinsics: np.ndarray,
+    depth_scale: float,
+    notes: tuple[str, ...] = (),
+) -> Views:
     if not frames:
         raise FormatError(text.require_folder(folder), "no depth images", fix="Check the layout of the folder")
     if not depth_scale > 0:
@@ -145,7 +204,7 @@ def _sequence(folder: Path, frames: Mapping[str, _Frame], intrinsics: np.ndarray
         frame = frames[name]
         return tuple(path for path in (frame.depth, frame.image, frame.pose) if path is not None)
 
-    return Views(tuple(sorted(frames)), "m", "depth", None, load, files)
+    return Views(tuple(sorted(frames, key=natural)), "m", "depth", None, load, files, notes)
 
 
 def _tum_index(path: Path, optional: bool = False) -> dict[float, Path]:
@@ -154,17 +213,18 @@ def _tum_index(path: Path, optional: bool = False) -> dict[float, Path]:
         return {}
     entries = {}
     for line, content in text.comment_free(path):
-        time, _, name = content.partition(" ")
-        if not name:
+        time, *rest = content.replace(",", " ", 1).split(maxsplit=1)
+        if not rest:
             raise FormatError(
-                path, f"line {line} is cut", expected="a time and a file name", got=text, fix="Check that line"
+                path, f"line {line} is cut", expected="a time and a file name", got=content, fix="Check that line"
             )
+        name = rest[0]
         entries[float(text.numbers(path, line, [time], [1])[0])] = path.parent / name.strip()
     return entries
 
 
 def _tum_poses(path: Path) -> list[tuple[float, int, np.ndarray]]:
-    rows = [(line, text.numbers(path, line, content.split(), [8])) for line, content in text.comment_free(path)]
+    rows = [(line, text.numbers(path, line, text.words(content), [8])) for line, content in text.comment_free(path)]
     return [(float(values[0]), line, values[1:]) for line, values in rows]
 
 

@@ -15,7 +15,7 @@ class ViewSource:
     A hint that the layout has no use for is refused.
     """
 
-    format: str = option("auto", "Layout: auto, views, colmap, tum, 7scenes, open3d or folder.", flag="--format")
+    format: str = option("auto", "Layout: auto, views, colmap, tum, 7scenes, scannet, open3d, folder.", flag="--format")
     unit: str | None = option(None, "Unit of length of a plain folder.", flag="--unit")
     depth_scale: float | None = option(
         None, "Stored value of one unit of depth in 16-bit images.", flag="--depth-scale", low=0.0
@@ -25,11 +25,18 @@ class ViewSource:
         None, "Direction of poses.txt.", flag="--pose", choices=("cam_from_world", "world_from_cam")
     )
     measured: str | None = option(
-        None, "What the files of a plain folder hold.", flag="--measured", choices=("depth", "disparity")
+        None,
+        "What the files of a plain folder hold; distance: along the ray of a pixel.",
+        flag="--measured",
+        choices=("depth", "disparity", "distance"),
     )
     baseline_focal: float | None = option(
         None, "Turns disparity into depth.", flag="--baseline-focal", low=0.0, unit="px * unit"
     )
+    doffs: float | None = option(
+        None, "Added to disparities: cx of the right camera less that of the left.", flag="--doffs", unit="px"
+    )
+    missing: float | None = option(None, "Stored value of a plain folder that means no data.", flag="--missing")
     depth: str | None = option(None, "Depth maps of COLMAP to take.", choices=("geometric", "photometric"))
     trajectory: str | None = option(None, "Trajectory file of an Open3D folder.")
     max_gap: float | None = option(None, "Longest time between a depth image and its pose (TUM).", low=0.0, unit="s")

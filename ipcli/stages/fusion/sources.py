@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 from ipcli import threads
@@ -12,10 +13,15 @@ from ipcli.models.fusion.scenes import Scene
 from ipcli.params import as_dict
 from ipcli.stages.fusion.parameters import ViewSource
 
+log = logging.getLogger(__name__)
+
 
 def open_source(path: Path, source: ViewSource) -> Views:
     """The views at ``path``. Raises what io.views.layouts.open_views raises."""
-    return layouts.open_views(path, **as_dict(source))
+    views = layouts.open_views(path, **as_dict(source))
+    for note in views.notes:
+        log.warning("%s: %s", path, note)
+    return views
 
 
 def source_files(views: Views, names: tuple[str, ...]) -> tuple[Path, ...]:

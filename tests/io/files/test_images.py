@@ -82,7 +82,7 @@ def test_sixteen_bits_without_a_scale_are_refused(tmp_path):
         images.read_depth(tmp_path / "d.png")
 
 
-@pytest.mark.parametrize("value", [-1.0, np.inf, -np.inf])
+@pytest.mark.parametrize("value", [-1.0, -np.inf])
 @pytest.mark.parametrize("suffix", [".pfm", ".tiff", ".npy", ".npz"])
 def test_impossible_depth_is_refused_with_count_and_first_pixel(tmp_path, suffix, value):
     depth = np.array([[1, np.nan, 0], [2, value, value]], np.float32)
@@ -102,14 +102,14 @@ def test_doubles_too_large_or_small_for_the_result_are_refused(tmp_path):
 def test_what_is_not_one_depth_map_is_refused(tmp_path):
     np.save(tmp_path / "three.npy", np.ones((2, 2, 3)))
     np.save(tmp_path / "empty.npy", np.ones((0, 2)))
-    np.save(tmp_path / "int.npy", np.ones((2, 2), np.int64))
+    np.save(tmp_path / "int.npy", np.ones((2, 2), np.int8))
     np.savez(tmp_path / "two.npz", a=np.ones((2, 2)), b=np.ones((2, 2)))
     images.write_png(tmp_path / "eight.png", np.ones((2, 2), np.uint8))
     (tmp_path / "d.jpg").write_bytes(b"x")
     expected = {
         "three.npy": "expected shape .h, w., got .2, 2, 3.",
         "empty.npy": "not one depth map",
-        "int.npy": "expected 16-bit integers or floats, got int64",
+        "int.npy": "expected floats, or integers of 16 bits or more, got int8",
         "two.npz": "expected a single array, got 2: a, b",
         "eight.png": "got uint8",
         "d.jpg": "not a depth file .*got .jpg",
@@ -119,6 +119,37 @@ def test_what_is_not_one_depth_map_is_refused(tmp_path):
     for name, message in expected.items():
         with pytest.raises(FormatError, match=rf"{name}: .*{message}"):
             images.read_depth(tmp_path / name, 1.0)
+
+
+@pytest.mark.parametrize("background", [np.inf, 1e10, 65504.0])
+def test_the_background_of_renderers_is_no_depth(tmp_path, background):
+    depth = np.random.default_rng(0).uniform(1, 5, (20, 20)).astype(np.float32)
+    depth[:3] = background
+    np.save(tmp_path / "d.npy", depth)
+    found = images.read_depth(tmp_path / "d.npy")
+    assert np.isnan(found[:3]).all()
+    np.testing.assert_array_equal(found[3:], depth[3:])
+
+
+def test_a_far_wall_is_no_background(tmp_path):
+    depth = np.random.default_rng(0).uniform(1, 5, (20, 20)).astype(np.float32)
+    depth[:3] = 300
+    np.save(tmp_path / "d.npy", depth)
+    np.testing.assert_array_equal(images.read_depth(tmp_path / "d.npy"), depth)
+
+
+@pytest.mark.parametrize("kind", [np.int16, np.int32, np.uint32, np.int64])
+def test_wide_integers_need_a_scale_as_sixteen_bits_do(tmp_path, kind):
+    np.save(tmp_path / "d.npy", np.array([[0, 1500, 2500]], kind))
+    np.testing.assert_array_equal(images.read_depth(tmp_path / "d.npy", 1000), [[np.nan, 1.5, 2.5]])
+    with pytest.raises(FormatError, match="-bit depth of unknown scale"):
+        images.read_depth(tmp_path / "d.npy")
+
+
+def test_an_empty_file_is_called_so(tmp_path):
+    (tmp_path / "d.png").write_bytes(b"")
+    with pytest.raises(FormatError, match=r"d\.png: empty file"):
+        images.read_depth(tmp_path / "d.png", 1.0)
 
 
 PICTURE = np.random.default_rng(0).integers(0, 256, (24, 32, 3), np.uint8)

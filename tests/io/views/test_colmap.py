@@ -102,7 +102,37 @@ def test_a_model_with_distortion_or_none_at_all_is_refused(workspace, views):
     ):
         open_colmap(workspace)
     (workspace / "sparse" / "images.bin").write_bytes(b"cut")
-    with pytest.raises(FormatError, match="sparse: model cannot be read"):
+    with pytest.raises(FormatError, match=r"images\.bin: cut or empty"):
+        open_colmap(workspace)
+
+
+@pytest.mark.parametrize("stem", ["images", "cameras", "points3D", "frames", "rigs"])
+@pytest.mark.parametrize("content", [b"", b"\xff" * 8, (1000).to_bytes(8, "little") + bytes(100)])
+def test_counts_that_a_file_cannot_hold_are_refused_before_the_native_parser(workspace, stem, content):
+    (workspace / "sparse" / f"{stem}.bin").write_bytes(content)
+    with pytest.raises(FormatError, match=rf"{stem}\.bin: cut or empty"):
+        open_colmap(workspace)
+
+
+def test_images_and_maps_that_are_left_out_are_counted(workspace, views):
+    maps = workspace / "stereo" / "depth_maps"
+    (maps / "left" / "b.png.geometric.bin").unlink()
+    (maps / "other.png.geometric.bin").write_bytes(dense(views[0].depth))
+    assert open_colmap(workspace).notes == (
+        "1 of 3 registered images left out: no geometric depth map",
+        "1 geometric depth maps left out: their image is not registered in sparse/",
+    )
+
+
+def test_the_one_numbered_model_is_taken_and_several_are_refused(workspace, views, same):
+    sparse = workspace / "sparse"
+    (sparse / "0").mkdir()
+    for path in [path for path in sparse.iterdir() if path.is_file()]:
+        path.rename(sparse / "0" / path.name)
+    same(open_colmap(workspace).load("a.png"), views[0])
+    (sparse / "1").mkdir()
+    (sparse / "1" / "cameras.bin").write_bytes(bytes(8))
+    with pytest.raises(FormatError, match="2 models: 0, 1"):
         open_colmap(workspace)
 
 

@@ -26,6 +26,7 @@ MARKS = {
     "colmap": ("sparse/cameras.bin", "stereo/depth_maps/a.png.geometric.bin", "depth/a.png", "poses.txt"),
     "tum": ("depth.txt", "groundtruth.txt", "depth/1.png"),
     "7scenes": ("frame-000000.depth.png", "frame-000000.pose.txt"),
+    "scannet": ("depth/1.png", "pose/1.txt", "intrinsic/intrinsic_depth.txt"),
     "open3d": ("depth/1.png", "trajectory.log"),
     "folder": ("depth/a.png", "poses.txt", "intrinsics.txt"),
 }
@@ -39,6 +40,13 @@ def test_layouts_are_told_apart(tmp_path, monkeypatch, format):
     for key, layout in layouts.LAYOUTS.items():
         monkeypatch.setitem(layouts.LAYOUTS, key, replace(layout, open=lambda path, key=key: key))
     assert layouts.open_views(tmp_path) == format
+
+
+def test_the_nearest_layout_is_named_with_what_it_lacks(tmp_path):
+    for part in ("depth", "pose"):
+        (tmp_path / part).mkdir()
+    with pytest.raises(FormatError, match=r"most like a ScanNet scene, but lacks intrinsic/intrinsic_depth\.txt"):
+        layouts.open_views(tmp_path)
 
 
 def test_what_no_layout_fits_is_refused_with_what_was_looked_for(tmp_path):

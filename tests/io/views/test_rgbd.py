@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -133,6 +134,60 @@ def test_open3d_frames_without_pose_and_a_cut_trajectory_are_refused(open3d):
         FormatError, match=r"trajectory.log: not a camera trajectory \(expected blocks of 5 lines, got 13 lines"
     ):
         rgbd.open_open3d(open3d, intrinsics=CAMERA)
+
+
+def test_open3d_takes_the_camera_of_the_folder_and_the_only_log(open3d, views, same):
+    (open3d / "trajectory.log").rename(open3d / "room-traj.log")
+    camera = {"width": 32, "height": 24, "intrinsic_matrix": views[0].intrinsics.T.ravel().tolist()}
+    (open3d / "camera_intrinsic.json").write_text(json.dumps(camera))
+    sequence = rgbd.open_open3d(open3d)
+    for name, view in zip(sequence.names, views, strict=True):
+        same(sequence.load(name), view)
+    (open3d / "other.log").write_text("")
+    with pytest.raises(FormatError, match=r"which .log is the trajectory.*other.log, room-traj.log.*source.trajectory"):
+        rgbd.open_open3d(open3d)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [("{", "not a camera of Open3D"), ('{"width": 9, "height": 24, "intrinsic_matrix": [1,0,0,0,1,0,0,0,1]}', "size")],
+)
+def test_an_open3d_camera_that_cannot_be_right_is_refused(open3d, content, message):
+    (open3d / "camera_intrinsic.json").write_text(content)
+    with pytest.raises(FormatError, match=f"camera_intrinsic.json: .*{message}"):
+        rgbd.open_open3d(open3d)
+
+
+def test_scannet_frames_come_in_order_and_those_without_pose_are_counted(tmp_path, views, same):
+    (tmp_path / "pose").mkdir()
+    (tmp_path / "intrinsic").mkdir()
+    camera = np.eye(4)
+    camera[:3, :3] = views[0].intrinsics
+    np.savetxt(tmp_path / "intrinsic" / "intrinsic_depth.txt", camera)
+    for number, view in zip((2, 10, 11), views, strict=True):
+        images.write_depth_png16(tmp_path / "depth" / f"{number}.png", view.depth, 1000)
+        images.write_png(tmp_path / "color" / f"{number}.png", view.image)
+        (tmp_path / "pose" / f"{number}.txt").write_text(text(np.linalg.inv(view.cam_from_world)))
+    sequence = rgbd.open_scannet(tmp_path)
+    assert (sequence.names, sequence.notes) == (("02", "10", "11"), ())
+    for name, view in zip(sequence.names, views, strict=True):
+        same(sequence.load(name), view)
+    (tmp_path / "pose" / "10.txt").write_text(text(np.full((4, 4), -np.inf)))
+    sequence = rgbd.open_scannet(tmp_path)
+    assert sequence.names == ("02", "11")
+    assert sequence.notes == ("1 of 3 depth images left out: no known pose in pose/",)
+
+
+def test_tum_tables_may_have_tabs_and_images_left_out_are_counted(tum, views, same):
+    for name in ("depth.txt", "rgb.txt", "groundtruth.txt"):
+        (tum / name).write_text((tum / name).read_text().replace(" ", "\t"))
+    whole = rgbd.open_tum(tum, intrinsics=CAMERA)
+    before = len(whole.names)
+    (tum / "depth.txt").write_text((tum / "depth.txt").read_text() + "\n99999.0\tdepth/none.png\n")
+    sequence = rgbd.open_tum(tum, intrinsics=CAMERA)
+    assert len(sequence.names) == before
+    left = int(sequence.notes[0].split()[0])
+    assert left == 1 + (int(whole.notes[0].split()[0]) if whole.notes else 0)
 
 
 def test_the_primesense_default_is_only_for_its_own_size(open3d):
