@@ -51,7 +51,7 @@ def picture(width: int, height: int) -> dict[str, Any]:
 
     rng = np.random.default_rng(0)
     rgb = np.clip(rng.normal(120, 40, (height, width, 3)), 0, 255).astype(np.uint8)
-    rgb = cv2.GaussianBlur(rgb, (0, 0), 2)
+    rgb = cv2.GaussianBlur(rgb, (0, 0), 2).astype(np.uint8)
     first, _ = _least(lambda: saliency(rgb), 1)
     seconds, spent = _least(lambda: saliency(rgb))
     return {"size": f"{width} x {height}", "seconds": seconds, "CPU s": spent, "first time": first}
@@ -102,7 +102,8 @@ def foretold(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """What a long recording would take by the law of growth between the rows, never taken for less than linear."""
     if len(rows) < 2 or any("failed" in row for row in rows):
         return {"frames": LONG, "failed": "no two rows to go by"}
-    sizes, found = [row["frames"] for row in rows], {}
+    sizes = [row["frames"] for row in rows]
+    found: dict[str, Any] = {}
     for name in ("seconds in all", "CPU s in all"):
         law = max(1.0, exponent(sizes, [row[name] for row in rows]) or 1.0)
         found |= {name: rows[-1][name] * (LONG / sizes[-1]) ** law, f"exponent of {name}": law}

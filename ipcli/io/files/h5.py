@@ -171,7 +171,8 @@ def _opened(path: Path) -> Iterator[Any]:
     except schema.SchemaError as error:
         raise FormatError(path, str(error), fix=FIX) from error
     except UNREADABLE as error:
-        raise FormatError(path, f"not a readable HDF5 artefact: {_one_line(error)}", fix=FIX) from error
+        fix = FIX if path.suffix.lower() in (".h5", ".hdf5") else "Give an artefact that a command of ipcli wrote (.h5)"
+        raise FormatError(path, f"not a readable HDF5 artefact: {_one_line(error)}", fix=fix) from error
 
 
 def _one_line(error: BaseException) -> str:

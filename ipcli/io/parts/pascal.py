@@ -14,6 +14,7 @@ import numpy as np
 from ipcli.errors import FormatError
 
 SECONDS = 60.0
+MOST_NAMED = 20  # objects that a message names
 MOST_BYTES = 200_000_000  # of the file
 MOST_MEMORY = 4_000_000_000  # of the process that reads it
 
@@ -55,7 +56,10 @@ def _parse(path: str, which: int) -> tuple[tuple[str, ...], np.ndarray] | str:
         content = loadmat(path, struct_as_record=False, squeeze_me=True)
         objects = np.atleast_1d(content["anno"].objects)
         if not 0 <= which < len(objects):
-            return f"it holds {len(objects)} objects, number {which} is asked for"
+            held = ", ".join(
+                f"{number} {getattr(thing, 'class', '?')}" for number, thing in enumerate(objects[:MOST_NAMED])
+            )
+            return f"it holds {len(objects)} objects ({held}), number {which} is asked for"
         return _labels(objects[which])
     except Exception as error:  # the parser lets out whatever it stumbles over
         return f"{type(error).__name__}: {' '.join(str(error).split())}"

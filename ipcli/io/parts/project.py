@@ -140,13 +140,23 @@ def _renamed(path: Path, source: Path, found: masks.Masks, rename: Mapping[str, 
     """Labels of a file as numbers of the tree's parts."""
     table = np.zeros(len(found.names) + 1, np.int16)
     present = set(np.unique(found.labels).tolist())
+    unknown = {}
     for number, name in enumerate(found.names, start=1):
         part = rename.get(name, name)
         if part in tree.names:
             table[number] = tree.names.index(part) + 1
         elif part and number in present:
-            fix = f'Add it to [parts], or rename = {{ "{name}" = "" }} in {path.name}'
-            raise FormatError(source, f"unknown part '{part}'{nearest(str(part), tree.names)}", fix=fix)
+            unknown[name] = part
+    if unknown:
+        known = nearest(str(next(iter(unknown.values()))), tree.names) if len(unknown) == 1 else ""
+        what = ", ".join(f"'{part}'" for part in unknown.values())
+        table_of = ", ".join(f'"{name}" = "PART"' for name in unknown)
+        raise FormatError(
+            source,
+            f"unknown part{'s' if len(unknown) > 1 else ''} {what}{known}",
+            fix=f'Add to [parts], or say rename = {{ {table_of} }} in {path.name}; "" drops one'
+            + ("; 'rest' is what no part of the object covers" if "rest" in unknown else ""),
+        )
     labels = table[found.labels]
     if not labels.any():
         raise FormatError(source, "shows no part", expected=", ".join(tree.names))

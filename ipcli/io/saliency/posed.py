@@ -19,6 +19,7 @@ SHOTS = 3  # pictures of a subsequence that are looked at
 LONGEST = 15  # frames of a subsequence where gaze does not make them, as in the thesis
 CLOUD = 40_000  # points of a subsequence that depth maps are thinned to
 WIDEST = 480  # pixels of a picture of views
+FLAT = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".ply", ".obj", ".glb", ".stl", ".off")
 WANTED = (
     "world_from_rig", "times", "map/points", "map/sightings", "pictures", "picture_frames", "subsequences/frames",
     "por/points", "por/outcome", "por/frame",
@@ -31,6 +32,10 @@ def open_posed(path: Path, format: str = "auto") -> PosedSequence:
     Raises FormatError for anything else, or for an experiment without a pose or a picture.
     """
     path = Path(path)
+    if path.suffix.lower() in FLAT and path.is_file():
+        raise FormatError(
+            path, "a picture or mesh, not a recording", fix="saliency predict tells of pictures and meshes"
+        )
     if path.suffix.lower() in (".h5", ".hdf5") and path.is_file() and h5.peek(path).kind == "gaze-experiment":
         return read_experiment(path)
     return of_views(path, layouts.open_views(path, format))

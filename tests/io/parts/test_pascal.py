@@ -26,7 +26,7 @@ def test_pascal_part(tmp_path):
     found = masks.read(tmp_path / "a.mat", which=1)
     assert found.names == ("torso", "leg", "rest")
     assert (found.labels == LABELS).all()
-    with pytest.raises(FormatError, match="2 objects"):
+    with pytest.raises(FormatError, match=r"2 objects \(0 dog, 1 dog\)"):
         masks.read(tmp_path / "a.mat", which=2)
 
 

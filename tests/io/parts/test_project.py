@@ -76,3 +76,10 @@ def test_a_project_that_is_not_there_or_not_text(tmp_path):
     (tmp_path / "b.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(FormatError, match="not a readable text file"):
         project.read(tmp_path / "b.toml")
+
+
+def test_all_unknown_parts_are_named_at_once(tmp_path):
+    path = written(tmp_path, '[parts]\ntorso = ""\n' + IMAGE + 'labels = ["horn", "hoof"]\n')
+    with pytest.raises(FormatError, match="unknown parts 'horn', 'hoof'") as told:
+        project.read(path)
+    assert '"horn" = "PART", "hoof" = "PART"' in str(told.value)

@@ -56,3 +56,10 @@ def test_a_cloud_is_read_from_a_ply(tmp_path):
 def test_anything_else_is_a_format_error(tmp_path):
     with pytest.raises(FormatError):
         open_posed(tmp_path / "nothing")
+
+
+@pytest.mark.parametrize("name", ["photo.jpg", "cow.ply"])
+def test_a_picture_or_mesh_is_sent_to_the_command_for_it(tmp_path, name):
+    (tmp_path / name).write_bytes(b"x")
+    with pytest.raises(FormatError, match="saliency predict"):
+        open_posed(tmp_path / name)
