@@ -51,7 +51,7 @@ def picture(width: int, height: int) -> dict[str, Any]:
 
     rng = np.random.default_rng(0)
     rgb = np.clip(rng.normal(120, 40, (height, width, 3)), 0, 255).astype(np.uint8)
-    rgb = cv2.GaussianBlur(rgb, (0, 0), 2)
+    rgb = cv2.GaussianBlur(rgb, (0, 0), 2).astype(np.uint8)
     first, _ = _least(lambda: saliency(rgb), 1)
     seconds, spent = _least(lambda: saliency(rgb))
     return {"size": f"{width} x {height}", "seconds": seconds, "CPU s": spent, "first time": first}
