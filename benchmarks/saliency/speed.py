@@ -103,7 +103,7 @@ def foretold(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     if len(rows) < 2 or any("failed" in row for row in rows):
         return {"frames": LONG, "failed": "no two rows to go by"}
     sizes = [row["frames"] for row in rows]
-    found: dict[str, Any] = {}
+    found: dict[str, float] = {}
     for name in ("seconds in all", "CPU s in all"):
         law = max(1.0, exponent(sizes, [row[name] for row in rows]) or 1.0)
         found |= {name: rows[-1][name] * (LONG / sizes[-1]) ** law, f"exponent of {name}": law}

@@ -37,7 +37,7 @@ def stereo_points(recording: HeadRecording, k: int) -> np.ndarray:
     frame, truth = recording.load(k), recording.truth
     assert frame.right is not None
     assert truth is not None
-    finder = cv2.SIFT_create(800)  # type: ignore[attr-defined]  # missing in OpenCV's stubs
+    finder = cv2.SIFT.create(800)
     (one, first), (two, second) = (finder.detectAndCompute(image, None) for image in (frame.left, frame.right))
     pairs = cv2.BFMatcher(cv2.NORM_L2, crossCheck=True).match(first, second)
     left = _rays(recording.cameras[0], np.array([one[m.queryIdx].pt for m in pairs]))
