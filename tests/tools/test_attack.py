@@ -1,5 +1,6 @@
 """The attack on all readers: whatever is registered is attacked, faults are found, and a short attack finds none."""
 
+import os
 import signal
 
 import pytest
@@ -9,6 +10,8 @@ from ipcli.io.files import text
 from tests.fixtures.attack import child, run
 from tests.fixtures.attack.seed import Content, Seed, written
 from tests.fixtures.attack.seeds import SEEDS, registered
+
+FEW = 2
 
 
 def test_everything_that_is_registered_has_a_seed():
@@ -65,3 +68,10 @@ def test_the_same_seed_damages_alike(tmp_path):
     first, again = (child.Attack(name, tmp_path / place) for place in ("one", "two"))
     assert [first(n, 0) for n in range(20)] == [again(n, 0) for n in range(20)]
     assert {first(n, 0)["outcome"] for n in range(20)} >= {"read", "refused"}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits are those of POSIX")
+def test_a_short_attack_finds_no_fault():
+    entries = run.attack({name: FEW for name, seed in SEEDS.items() if seed.weight == 1}, 1)
+    assert len(entries) == FEW * sum(seed.weight == 1 for seed in SEEDS.values())
+    assert [line for line in run.table(entries) if line.startswith(run.FAULTS)] == []

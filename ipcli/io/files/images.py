@@ -93,7 +93,7 @@ def _npy(path: Path, data: bytes) -> np.ndarray:
     stream = io.BytesIO(data)
     try:
         array = np.lib.format.read_array(stream, allow_pickle=False)
-    except (ValueError, EOFError, SyntaxError, MemoryError, OverflowError) as error:
+    except npz.UNREADABLE as error:
         raise FormatError(path, f"not a readable NPY file: {error}") from error
     if stream.tell() != len(data):
         raise FormatError(path, "bytes after the end of the array", expected=stream.tell(), got=len(data))

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import io
+import struct
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
+from tokenize import TokenError
 
 import numpy as np
 
 from ipcli.errors import FormatError, IpcliError
 from ipcli.io.files import atomic
+
+# all that zipfile and numpy.lib.format are known to raise on damaged files
+UNREADABLE = (
+    OSError, ValueError, EOFError, RuntimeError, KeyError, TypeError, SyntaxError, OverflowError, MemoryError,
+    TokenError, struct.error, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
 
 
 def write(path: Path, arrays: Mapping[str, np.ndarray], *, durable: bool = True) -> None:
@@ -32,7 +41,7 @@ def read(path: Path) -> dict[str, np.ndarray]:
     try:
         with zipfile.ZipFile(path) as archive:
             return {name.removesuffix(".npy"): _array(archive.read(name)) for name in archive.namelist()}
-    except (OSError, ValueError, EOFError, RuntimeError, NotImplementedError, zipfile.BadZipFile, MemoryError) as error:
+    except UNREADABLE as error:
         raise FormatError(
             path, f"not a readable NPZ file: {error}", fix="Make it again with numeric arrays only"
         ) from error

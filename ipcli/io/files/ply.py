@@ -15,6 +15,7 @@ import numpy as np
 
 from ipcli.errors import FormatError, IpcliError
 from ipcli.io.files import atomic
+from ipcli.io.files.text import whole
 
 POSITION, NORMAL, COLOUR = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")
 TYPES = {
@@ -181,7 +182,9 @@ def _header(path: Path, data: bytes) -> PlyHeader:
                 form = name
             case ["comment", *text]:
                 comments.append(" ".join(text))
-            case ["element", "vertex" | "face" as current, number] if number.isdecimal() and current not in elements:
+            case ["element", "vertex" | "face" as current, number] if (
+                whole(number) is not None and current not in elements
+            ):
                 elements[current] = (int(number), ())
             case ["property", *kinds, name] if current and (code := _type_code(kinds, current)):
                 count, properties = elements[current]
