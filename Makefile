@@ -1,4 +1,4 @@
-# make demo | test | verify | lint | clean; PYTHON=python3.12 chooses the interpreter that .venv is made from,
+# make demo | test | verify | attack | lint | clean; PYTHON=python3.12 chooses the interpreter that .venv is made from,
 # WORKERS=1 how many processes share the tests.
 
 PYTHON ?= python3
@@ -10,7 +10,7 @@ FEW_SWEEPS := --set learning.mixture.sweeps=30 --set learning.mixture.burn_in=15
 WORKERS ?= logical
 PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadscope
 
-.PHONY: demo test verify lint clean
+.PHONY: demo test verify attack lint clean
 .DELETE_ON_ERROR:
 
 demo: $(INSTALLED)
@@ -32,6 +32,9 @@ test: $(INSTALLED)
 
 verify: $(INSTALLED)
 	$(PYTEST) -m ""
+
+attack: $(INSTALLED)
+	$(BIN)/python -m tools.attack
 
 lint: $(INSTALLED)
 	$(BIN)/ruff check

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import io
 import struct
-import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
+from tokenize import TokenError
 
 import numpy as np
 
@@ -16,10 +16,10 @@ from ipcli.errors import FormatError, IpcliError
 from ipcli.inputs import check_file
 from ipcli.io.files import atomic
 
-# all that zipfile, zlib and the header of an array, which is a Python literal, are known to raise on damaged files
+# all that zipfile and numpy.lib.format are known to raise on damaged files
 UNREADABLE = (
-    OSError, ValueError, EOFError, RuntimeError, zipfile.BadZipFile, MemoryError, zlib.error, SyntaxError,
-    OverflowError, TypeError, KeyError, struct.error, tokenize.TokenError,
+    OSError, ValueError, EOFError, RuntimeError, KeyError, TypeError, SyntaxError, OverflowError, MemoryError,
+    TokenError, struct.error, zipfile.BadZipFile, zlib.error,
 )  # fmt: skip
 
 

@@ -10,6 +10,8 @@ import csv
 import gzip
 import io
 import json
+import logging
+import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +25,7 @@ from ipcli.measurements.recording import Gaze
 LARGEST = 1 << 30  # bytes of an unpacked export
 CONFIDENT = 0.6  # confidence below which Pupil's own software leaves a sample out
 Columns = Mapping[str, np.ndarray]
+log = logging.getLogger(__name__)
 
 
 def read_gaze(path: Path, size: tuple[int, int] | None = None) -> Gaze:
@@ -35,13 +38,25 @@ def read_gaze(path: Path, size: tuple[int, int] | None = None) -> Gaze:
     columns = columns_of(path)
     for needed, convert, name in TABLES:
         if all(column in columns for column in needed):
-            gaze = convert(path, columns, size)
+            gaze = _converted(path, convert, columns, size)
             return _in_order(replace(gaze, source=name))
     known = "; ".join(f"{name}: {', '.join(needed)}" for needed, _, name in TABLES)
     raise FormatError(
         path, "unknown gaze table", expected=known, got=", ".join(list(columns)[:12]),
         fix="Name the columns time [s], x [px], y [px]",
     )  # fmt: skip
+
+
+def _converted(path: Path, convert: Callable[..., Gaze], columns: dict[str, np.ndarray], size) -> Gaze:
+    """What a converter of TABLES makes of the columns; FormatError where text or nothing stands for numbers."""
+    try:
+        return convert(path, columns, size)
+    except (TypeError, ValueError, KeyError) as error:
+        texts = ", ".join(name for name, column in columns.items() if column.dtype.kind == "U") or "none"
+        raise FormatError(
+            path, f"a column of numbers is missing or holds text ({type(error).__name__})",
+            expected="numbers", got=f"columns of text: {texts}", fix="Correct the cells",
+        ) from error  # fmt: skip
 
 
 def _file(path: Path) -> Path:
@@ -60,6 +75,7 @@ def columns_of(path: Path) -> dict[str, np.ndarray]:
     text = layout.read_text(path)
     if not text.endswith("\n"):
         text = text[: text.rfind("\n") + 1]  # a last line without an end may be cut in its last number
+        log.warning("%s: the last line has no end, so it may be cut: left out", path)
     lines = text.lstrip("\ufeff").splitlines()
     if len(lines) < 2:
         raise FormatError(
@@ -184,7 +200,7 @@ def _tobii(path: Path, size: tuple[int, int] | None) -> Gaze:
     try:
         with gzip.open(path) as stream:
             data = stream.read(LARGEST + 1)
-    except (OSError, EOFError) as error:
+    except (OSError, EOFError, zlib.error) as error:
         raise FormatError(path, f"cannot be unpacked: {error}", fix="Copy it again") from None
     if len(data) > LARGEST:
         raise FormatError(path, "too large when unpacked", expected=f"<= {LARGEST} bytes")

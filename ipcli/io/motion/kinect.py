@@ -151,6 +151,8 @@ def _cuts(path: Path) -> dict[str, tuple[str, str, int, int]]:
         label, colon, frames = text.partition(":")
         if not colon:
             take = text
+            if whole(take[1:3]) is None:
+                raise FormatError(path, f"line {line}: '{text[:40]}'", expected="a take such as s01_e01", fix=DAMAGED)
             continue
         words = frames.split()
         if [word.lower() for word in words] == ["nan", "nan"]:
@@ -159,6 +161,8 @@ def _cuts(path: Path) -> dict[str, tuple[str, str, int, int]]:
             raise FormatError(
                 path, f"line {line}: '{text}'", expected="a take, then lines `action: first last`", fix=DAMAGED
             )
+        if f"{take}_{label.strip()}" in cuts:
+            raise FormatError(path, f"line {line}: '{text[:40]}' is in this take twice", fix=DAMAGED)
         cuts[f"{take}_{label.strip()}"] = (take, label.strip(), int(words[0]), int(words[1]))
     return cuts
 

@@ -4,19 +4,16 @@ parser or make it ask for all memory.
 
 from __future__ import annotations
 
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 
 from ipcli.errors import FormatError
+from ipcli.io.files.guarded import ParserFailed, guarded
 
-SECONDS = 60.0
 MOST_NAMED = 20  # objects that a message names
 MOST_BYTES = 200_000_000  # of the file
-MOST_MEMORY = 4_000_000_000  # of the process that reads it
+MOST_MEMORY = 2_000_000_000  # that its parser may ask for
 
 
 def read(path: Path, which: int = 0) -> tuple[tuple[str, ...], np.ndarray]:
@@ -25,44 +22,24 @@ def read(path: Path, which: int = 0) -> tuple[tuple[str, ...], np.ndarray]:
     """
     if not path.is_file() or path.stat().st_size > MOST_BYTES:
         raise FormatError(path, "no file, or too large", expected=f"at most {MOST_BYTES} bytes")
-    pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=_limit)
     try:
-        found = pool.submit(_parse, str(path), which).result(timeout=SECONDS)
-    except (BrokenProcessPool, TimeoutError, MemoryError) as error:
-        raise FormatError(path, "cannot be read: its parser crashed or took too long", fix="Copy it again") from error
-    finally:
-        for process in list((pool._processes or {}).values()):
-            process.terminate()
-        pool.shutdown(wait=False, cancel_futures=True)
-    if isinstance(found, str):
-        raise FormatError(path, f"not PASCAL-Part annotations ({found})")
-    return found
+        return guarded(parse, str(path), which, memory=MOST_MEMORY)
+    except ParserFailed as error:
+        raise FormatError(path, f"not PASCAL-Part annotations ({error})", fix="Copy it again") from None
 
 
-def _limit() -> None:
-    try:
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
-    except (ImportError, ValueError, OSError):
-        pass  # a system without limits
-
-
-def _parse(path: str, which: int) -> tuple[tuple[str, ...], np.ndarray] | str:
-    """Names and labels, or what is wrong in words."""
+def parse(path: str, which: int) -> tuple[tuple[str, ...], np.ndarray]:
+    """Names and labels of an object, in the child. Raises whatever the parser stumbles over."""
     from scipy.io import loadmat
 
-    try:
-        content = loadmat(path, struct_as_record=False, squeeze_me=True)
-        objects = np.atleast_1d(content["anno"].objects)
-        if not 0 <= which < len(objects):
-            held = ", ".join(
-                f"{number} {getattr(thing, 'class', '?')}" for number, thing in enumerate(objects[:MOST_NAMED])
-            )
-            return f"it holds {len(objects)} objects ({held}), number {which} is asked for"
-        return _labels(objects[which])
-    except Exception as error:  # the parser lets out whatever it stumbles over
-        return f"{type(error).__name__}: {' '.join(str(error).split())}"
+    content = loadmat(path, struct_as_record=False, squeeze_me=True)
+    objects = np.atleast_1d(content["anno"].objects)
+    if not 0 <= which < len(objects):
+        held = ", ".join(
+            f"{number} {getattr(thing, 'class', '?')}" for number, thing in enumerate(objects[:MOST_NAMED])
+        )
+        raise ValueError(f"it holds {len(objects)} objects ({held}), number {which} is asked for")
+    return _labels(objects[which])
 
 
 def _labels(thing) -> tuple[tuple[str, ...], np.ndarray]:

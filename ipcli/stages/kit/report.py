@@ -11,7 +11,7 @@ import os
 from pathlib import Path
 
 from ipcli import report
-from ipcli.errors import OutputExists, OutputRefused, ParameterError
+from ipcli.errors import FormatError, IpcliError, OutputExists, OutputRefused, ParameterError
 from ipcli.io.files import atomic, h5, seal
 from ipcli.params import Run
 from ipcli.stages.kit import outputs
@@ -51,4 +51,11 @@ def render(source: Path, params: Report) -> str:
     kind = h5.peek(source).kind
     draw = report.renderer(kind)
     artefact = h5.read(source, kind, only=report.needed(kind))
-    return draw(artefact.arrays, artefact.provenance, widest=params.width)
+    try:
+        return draw(artefact.arrays, artefact.provenance, widest=params.width)
+    except IpcliError:
+        raise
+    except Exception as error:  # each field is sound for itself; the page met what does not go together
+        got = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"
+        what = f"its fields do not go together, so that '{kind}' cannot be drawn"
+        raise FormatError(source, what, got=got, fix=h5.FIX) from error

@@ -1,0 +1,77 @@
+"""The attack on all readers: whatever is registered is attacked, faults are found, and a short attack finds none."""
+
+import os
+import signal
+
+import pytest
+
+from ipcli.errors import FormatError
+from ipcli.io.files import text
+from tests.fixtures.attack import child, run
+from tests.fixtures.attack.seed import Content, Seed, written
+from tests.fixtures.attack.seeds import SEEDS, registered
+
+FEW = 2
+
+
+def test_everything_that_is_registered_has_a_seed():
+    assert registered() - set(SEEDS) == set()
+
+
+def seed_of(read):
+    return Seed(lambda folder: written(folder, "a.txt", "1 2\n3 4\n"), read)
+
+
+def refuse(path):
+    raise FormatError(path, "no")
+
+
+@pytest.mark.parametrize(
+    ("read", "expected"),
+    [
+        (lambda path: Content(len(text.read_text(path))), ("read", "")),
+        (refuse, ("refused", "")),
+        (lambda path: [][0], ("internal", "? IndexError: list index out of range")),
+        (lambda path: b"x" * (1 << 60), ("memory", "? MemoryError: ")),
+    ],
+)
+def test_what_comes_of_a_file_is_told(tmp_path, read, expected):
+    seed = seed_of(read)
+    assert child.outcome(seed, seed.write(tmp_path))[:2] == expected
+
+
+def test_a_child_that_dies_or_hangs_is_found_and_replaced(monkeypatch):
+    def end(journal, jobs, seed, folder):
+        """Reads one file, then dies at the next; the last child comes to the end."""
+        (name, first, stop), *rest = jobs
+        with journal.open("a") as stream:
+            for number in range(first, stop):
+                child._note(stream, {"begun": [name, number]})
+                if number == 1:
+                    return -(signal.SIGSEGV if name == "a" else signal.SIGALRM)
+                child._note(stream, {"name": name, "number": number, "damage": "", "outcome": "read", "detail": ""})
+        jobs[:] = rest
+        return 0 if not rest else end(journal, jobs, seed, folder)
+
+    monkeypatch.setattr(run, "_child", end)
+    entries = run.attack({"a": 3, "b": 3}, 0)
+    assert [(e["name"], e["number"], e["outcome"]) for e in entries] == [
+        ("a", 0, "read"), ("a", 1, "crash"), ("a", 2, "read"), ("b", 0, "read"), ("b", 1, "hang"), ("b", 2, "read"),
+    ]  # fmt: skip
+    assert "crash x 1: a number 1 (?): SIGSEGV" in run.table(entries)
+
+
+def test_the_same_seed_damages_alike(tmp_path):
+    name = "motion/files/.bvh"
+    (tmp_path / "one").mkdir()
+    (tmp_path / "two").mkdir()
+    first, again = (child.Attack(name, tmp_path / place) for place in ("one", "two"))
+    assert [first(n, 0) for n in range(20)] == [again(n, 0) for n in range(20)]
+    assert {first(n, 0)["outcome"] for n in range(20)} >= {"read", "refused"}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits are those of POSIX")
+def test_a_short_attack_finds_no_fault():
+    entries = run.attack({name: FEW for name, seed in SEEDS.items() if seed.weight == 1}, 1)
+    assert len(entries) == FEW * sum(seed.weight == 1 for seed in SEEDS.values())
+    assert [line for line in run.table(entries) if line.startswith(run.FAULTS)] == []
