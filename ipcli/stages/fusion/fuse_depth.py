@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -23,6 +24,7 @@ from ipcli.io.views import camera
 from ipcli.measurements.names import window
 from ipcli.measurements.views import View, Views
 from ipcli.models.fusion.assessment import error_table, view_table
+from ipcli.models.fusion.checks import convergence_warnings, geometry_warnings
 from ipcli.models.fusion.fuse import Fused, fuse
 from ipcli.models.fusion.parameters import METHODS, Fusion, Variant
 from ipcli.models.fusion.tiles import fuse_in_tiles, side_of_tiles
@@ -34,6 +36,7 @@ from ipcli.stages.kit import outputs
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
 from ipcli.stages.kit.pages import page
 
+log = logging.getLogger(__name__)
 LEAST_OVERLAP = 1e-3  # share of the reference a view other than it must reach to count as overlapping
 
 
@@ -106,18 +109,24 @@ def fused_arrays(
     domain = source.measured if params.domain == "auto" else params.domain
     views: Sequence[View] = ViewsOnDemand(source, names, reference)
     inverse, side = domain == "disparity", side_of_tiles(params.fusion, reference.depth.shape, len(names))
+    warnings = list(source.notes)
     if side:
         fused = fuse_in_tiles(views, reference, params.fusion, side, inverse=inverse, progress=progress)
     else:
         views = threads.each(views.__getitem__, range(len(names)))
+        warnings += geometry_warnings(views, reference)
         fused = fuse(views, reference, params.fusion, inverse=inverse, progress=progress)
     table = view_table(fused, names, views)
     others = [name != reference.name for name in names]
     if any(others) and not (table["view_overlap"][others] > LEAST_OVERLAP).any():
         raise NoSolution(no_overlap(reference.name, table, source.unit))
     progress(0.9, "writing")
+    warnings += convergence_warnings(fused.history, params.fusion.solver.tolerance)
+    for warning in warnings[len(source.notes) :]:  # the notes were said when the source was opened
+        log.warning("%s: %s", reference.name, warning)
+    said = {"warnings": np.array(warnings)} if warnings else {}
     errors = error_table(fused, reference, source.baseline_focal)
-    return map_arrays(fused, reference, source, domain, params.fusion) | table | errors
+    return map_arrays(fused, reference, source, domain, params.fusion) | table | errors | said
 
 
 class ViewsOnDemand(Sequence[View]):
