@@ -19,7 +19,7 @@ from ipcli.errors import NoSolution, ParameterError
 from ipcli.executor import map_items
 from ipcli.geometry.cameras import back_project, transform
 from ipcli.geometry.surface import triangulate
-from ipcli.io.files import ply
+from ipcli.io.files import h5, ply
 from ipcli.io.views import camera
 from ipcli.measurements.names import window
 from ipcli.measurements.views import View, Views
@@ -37,6 +37,17 @@ from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
 from ipcli.stages.kit.pages import page
 
 log = logging.getLogger(__name__)
+SUMMED_UP = {
+    "fused_into",
+    "views",
+    "view_overlap",
+    "observations",
+    "noise_scale",
+    "unit",
+    "domain",
+    "history",
+    "warnings",
+}
 LEAST_OVERLAP = 1e-3  # share of the reference a view other than it must reach to count as overlapping
 
 
@@ -54,6 +65,39 @@ def run(
         raise ParameterError("--step goes with --all, which fuses into a folder")
     beside = {output.with_suffix(".ply"): write_mesh} | page(output, "fused-depth")
     return _fuse(source, output, params, run, beside, progress)
+
+
+def summary(output: Path) -> dict[str, Any]:
+    """The few figures a person wants, of a fused map that is there; of none (a dry run), its name alone."""
+    if not output.is_file():
+        return {"output": output}
+    wanted = (
+        "fused_into",
+        "views",
+        "view_overlap",
+        "observations",
+        "noise_scale",
+        "unit",
+        "domain",
+        "history",
+        "warnings",
+    )
+    found = h5.read(output, "fused-depth", lambda name: name in wanted).arrays
+    history, domain = found["history"], str(found["domain"])
+    unit = {"disparity": "px", "inverse depth": f"1/{found['unit']}"}.get(domain, str(found["unit"]))
+    facts: dict[str, Any] = {
+        "output": output,
+        "fused_into": str(found.get("fused_into", "")),
+        "views": len(found["views"]),
+        "noise": f"{found['noise_scale']:.3g} {unit} ({domain})",
+        "overlap": f"{found['view_overlap'].min():.0%} to {found['view_overlap'].max():.0%} of the reference",
+        "observed": f"{(found['observations'] > 0).mean():.1%} of the pixels; the rest is filled in",
+    }
+    if len(history):
+        facts["relative_gap"] = f"{history[-1, 3]:.2g} at the end"
+    if "warnings" in found:
+        facts["warnings"] = "; ".join(found["warnings"].tolist())
+    return facts
 
 
 def run_all(
@@ -159,6 +203,7 @@ def map_arrays(fused: Fused, reference: View, source: Views, domain: str, fusion
         "observations": fused.observations,
         "mean": fused.mean,
         "median": fused.median,
+        "fused_into": np.array(reference.name),
         "reference": reference.depth,
         "intrinsics": reference.intrinsics,
         "cam_from_world": reference.cam_from_world,
