@@ -60,7 +60,8 @@ def test_the_path_is_printed_first_with_the_figures_below_and_a_second_run_is_up
     assert err == f"{output}: up to date\n"
     code, out, _ = tell(source, "--json")
     assert code == 0
-    assert json.loads(out) == {"output": str(output)}
+    told = json.loads(out)
+    assert (told["output"], told["fused_into"], told["views"]) == (str(output), "02", 5)
     fails(tell(source, "--lambda", "0.5"), 1, "--overwrite")
     assert tell(source, "--lambda", "0.5", "--overwrite")[0] == 0
     assert float(h5.read(output, "fused-depth").arrays["lambda"]) == 0.5
