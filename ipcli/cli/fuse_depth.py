@@ -33,5 +33,7 @@ def main(views: Path, output: Path, params: FuseDepth, run: Run) -> None:
             outcomes = {output: fuse_depth.run(views, output, params, run, tell)}
     if run.json and params.every:
         options.conclude({"outputs": {str(path): outcome.value for path, outcome in outcomes.items()}}, run)
-    else:
+    elif params.every:
         options.conclude(output, run)
+    else:
+        options.conclude(fuse_depth.summary(output), run, with_figures=True)

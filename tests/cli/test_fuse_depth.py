@@ -42,9 +42,11 @@ def fails(told, code, *messages):
         assert message in told[2]
 
 
-def test_the_path_is_printed_alone_and_a_second_run_is_up_to_date(source, tell, tmp_path):
+def test_the_path_is_printed_first_with_the_figures_below_and_a_second_run_is_up_to_date(source, tell, tmp_path):
     output = tmp_path / "out" / "x.fused.h5"
-    assert tell(source) == (0, f"{output}\n", "")
+    code, first, err = tell(source)
+    assert (code, err, first.splitlines()[0]) == (0, "", str(output))
+    assert "fused into: 02" in first
     assert {path.name for path in output.parent.iterdir()} == {
         "x.fused.h5",
         "x.fused.ply",
@@ -53,11 +55,13 @@ def test_the_path_is_printed_alone_and_a_second_run_is_up_to_date(source, tell, 
     }
     code, out, err = tell(source)
     assert code == 0
-    assert out == f"{output}\n"
+    assert out == first
+    assert {line.split(":")[0] for line in out.splitlines()[1:]} >= {"fused into", "noise", "overlap", "observed"}
     assert err == f"{output}: up to date\n"
     code, out, _ = tell(source, "--json")
     assert code == 0
-    assert json.loads(out) == {"output": str(output)}
+    told = json.loads(out)
+    assert (told["output"], told["fused_into"], told["views"]) == (str(output), "02", 5)
     fails(tell(source, "--lambda", "0.5"), 1, "--overwrite")
     assert tell(source, "--lambda", "0.5", "--overwrite")[0] == 0
     assert float(h5.read(output, "fused-depth").arrays["lambda"]) == 0.5

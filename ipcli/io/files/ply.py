@@ -127,7 +127,7 @@ def _pack_faces(path: Path, faces: np.ndarray, count: int) -> np.ndarray:
 
 
 def _header_text(path: Path, table: np.ndarray, triangles: np.ndarray | None, comments: Sequence[str]) -> bytes:
-    lines = ["ply", "format binary_little_endian 1.0", *(f"comment {text}" for text in comments)]
+    lines = ["ply", "format binary_little_endian 1.0", *(f"comment {_escaped(text)}" for text in comments)]
     lines += [
         f"element vertex {len(table)}",
         *(f"property {NAMES[table.dtype[name]]} {name}" for name in table.dtype.names or ()),
@@ -137,6 +137,11 @@ def _header_text(path: Path, table: np.ndarray, triangles: np.ndarray | None, co
     if any("\n" in line or not line.isascii() for line in lines):
         raise IpcliError(f"{path}: comments of a PLY file are single lines of ASCII")
     return "\n".join(lines).encode() + b"\n" + END
+
+
+def _escaped(text: str) -> str:
+    """The text with what a PLY header cannot hold written as Python would: a unit of µm is no reason to lose a mesh."""
+    return text.encode("ascii", "backslashreplace").decode("ascii")
 
 
 def header(path: Path) -> PlyHeader:

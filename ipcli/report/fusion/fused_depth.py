@@ -120,7 +120,7 @@ def _notices(fused: PicturedMap) -> list[Markup]:
     a = fused.arrays
     low = [str(name) for name, share in zip(a["views"], a["view_overlap"], strict=True) if not share >= LITTLE_OVERLAP]
     missing = np.count_nonzero(~np.isfinite(a["depth"])) / a["depth"].size
-    found = []
+    found = [f"Warning: {warning}." for warning in a["warnings"].tolist()] if "warnings" in a else []
     if low:
         shown = ", ".join(low[:6]) + (f" and {len(low) - 6} more" if len(low) > 6 else "")
         verb = "overlaps" if len(low) == 1 else "overlap"

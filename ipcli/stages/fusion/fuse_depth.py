@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -18,11 +19,12 @@ from ipcli.errors import NoSolution, ParameterError
 from ipcli.executor import map_items
 from ipcli.geometry.cameras import back_project, transform
 from ipcli.geometry.surface import triangulate
-from ipcli.io.files import ply
+from ipcli.io.files import h5, ply
 from ipcli.io.views import camera
 from ipcli.measurements.names import window
 from ipcli.measurements.views import View, Views
 from ipcli.models.fusion.assessment import error_table, view_table
+from ipcli.models.fusion.checks import convergence_warnings, geometry_warnings
 from ipcli.models.fusion.fuse import Fused, fuse
 from ipcli.models.fusion.parameters import METHODS, Fusion, Variant
 from ipcli.models.fusion.tiles import fuse_in_tiles, side_of_tiles
@@ -34,6 +36,18 @@ from ipcli.stages.kit import outputs
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
 from ipcli.stages.kit.pages import page
 
+log = logging.getLogger(__name__)
+SUMMED_UP = {
+    "fused_into",
+    "views",
+    "view_overlap",
+    "observations",
+    "noise_scale",
+    "unit",
+    "domain",
+    "history",
+    "warnings",
+}
 LEAST_OVERLAP = 1e-3  # share of the reference a view other than it must reach to count as overlapping
 
 
@@ -51,6 +65,39 @@ def run(
         raise ParameterError("--step goes with --all, which fuses into a folder")
     beside = {output.with_suffix(".ply"): write_mesh} | page(output, "fused-depth")
     return _fuse(source, output, params, run, beside, progress)
+
+
+def summary(output: Path) -> dict[str, Any]:
+    """The few figures a person wants, of a fused map that is there; of none (a dry run), its name alone."""
+    if not output.is_file():
+        return {"output": output}
+    wanted = (
+        "fused_into",
+        "views",
+        "view_overlap",
+        "observations",
+        "noise_scale",
+        "unit",
+        "domain",
+        "history",
+        "warnings",
+    )
+    found = h5.read(output, "fused-depth", lambda name: name in wanted).arrays
+    history, domain = found["history"], str(found["domain"])
+    unit = {"disparity": "px", "inverse depth": f"1/{found['unit']}"}.get(domain, str(found["unit"]))
+    facts: dict[str, Any] = {
+        "output": output,
+        "fused_into": str(found.get("fused_into", "")),
+        "views": len(found["views"]),
+        "noise": f"{found['noise_scale']:.3g} {unit} ({domain})",
+        "overlap": f"{found['view_overlap'].min():.0%} to {found['view_overlap'].max():.0%} of the reference",
+        "observed": f"{(found['observations'] > 0).mean():.1%} of the pixels; the rest is filled in",
+    }
+    if len(history):
+        facts["relative_gap"] = f"{history[-1, 3]:.2g} at the end"
+    if "warnings" in found:
+        facts["warnings"] = "; ".join(found["warnings"].tolist())
+    return facts
 
 
 def run_all(
@@ -106,18 +153,24 @@ def fused_arrays(
     domain = source.measured if params.domain == "auto" else params.domain
     views: Sequence[View] = ViewsOnDemand(source, names, reference)
     inverse, side = domain == "disparity", side_of_tiles(params.fusion, reference.depth.shape, len(names))
+    warnings = list(source.notes)
     if side:
         fused = fuse_in_tiles(views, reference, params.fusion, side, inverse=inverse, progress=progress)
     else:
         views = threads.each(views.__getitem__, range(len(names)))
+        warnings += geometry_warnings(views, reference)
         fused = fuse(views, reference, params.fusion, inverse=inverse, progress=progress)
     table = view_table(fused, names, views)
     others = [name != reference.name for name in names]
     if any(others) and not (table["view_overlap"][others] > LEAST_OVERLAP).any():
         raise NoSolution(no_overlap(reference.name, table, source.unit))
     progress(0.9, "writing")
+    warnings += convergence_warnings(fused.history, params.fusion.solver.tolerance)
+    for warning in warnings[len(source.notes) :]:  # the notes were said when the source was opened
+        log.warning("%s: %s", reference.name, warning)
+    said = {"warnings": np.array(warnings)} if warnings else {}
     errors = error_table(fused, reference, source.baseline_focal)
-    return map_arrays(fused, reference, source, domain, params.fusion) | table | errors
+    return map_arrays(fused, reference, source, domain, params.fusion) | table | errors | said
 
 
 class ViewsOnDemand(Sequence[View]):
@@ -150,6 +203,7 @@ def map_arrays(fused: Fused, reference: View, source: Views, domain: str, fusion
         "observations": fused.observations,
         "mean": fused.mean,
         "median": fused.median,
+        "fused_into": np.array(reference.name),
         "reference": reference.depth,
         "intrinsics": reference.intrinsics,
         "cam_from_world": reference.cam_from_world,

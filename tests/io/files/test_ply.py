@@ -167,6 +167,11 @@ def test_what_is_not_read_is_told(damage, tmp_path):
         ply.read(tmp_path / "m.ply")
 
 
+def test_a_unit_of_micrometres_is_written_in_ascii(tmp_path):
+    ply.write(tmp_path / "m.ply", np.zeros((2, 3), np.float32), comments=("unit µm",))
+    assert ply.header(tmp_path / "m.ply").comments == ("unit \\xb5m",)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

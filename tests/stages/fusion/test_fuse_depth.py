@@ -235,3 +235,20 @@ def test_in_tiles_the_artefact_is_sound_and_as_near_to_the_truth(whole, source, 
     same_pixels = view_table(thinned, [view.name for view in views], views)
     np.testing.assert_allclose(tiled["view_residual"], same_pixels["view_residual"], rtol=0.05)
     np.testing.assert_array_equal(tiled["view_valid"], at_once["view_valid"])
+
+
+def test_a_likely_mistake_and_a_fusion_that_did_not_converge_are_said_in_the_artefact_and_on_the_page(tmp_path, caplog):
+    views = [replace(view, cam_from_world=np.linalg.inv(view.cam_from_world)) for view in scene()]
+    source = write(tmp_path / "wrong.views.h5", views, baseline_focal=20.0)
+    short = Fusion(solver=Solver(iterations=1, levels=1, tolerance=1e-7), rounds=1, reassociate=0)
+    output = fuse(source, tmp_path, fusion=short)[1]
+    warnings = " ".join(h5.read(output, "fused-depth").arrays["warnings"].tolist())
+    assert "did not converge" in warnings
+    assert "--pose" in warnings
+    for text in (output.with_suffix(".html").read_text(), caplog.text):
+        assert "did not converge" in text
+        assert "in the other direction" in text
+
+
+def test_sound_views_are_not_warned_of(whole):
+    assert "warnings" not in h5.read(whole, "fused-depth").arrays
