@@ -19,7 +19,7 @@ NAMES = {"novelty": "all scores", "surprise": "surprise alone"}
 def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = 0) -> str:
     """The HTML of an `action-novelty` artefact; its figures are drawn, so there is nothing for ``widest`` to bound."""
     return document(
-        f"None of these: {len(arrays['left_out'])} actions, each left out",
+        f"Unknown actions: {len(arrays['left_out'])} actions, each left out in turn",
         "ipcli mocap-evaluate",
         _verdict(arrays),
         _curve(arrays),
@@ -34,9 +34,8 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
     area = float(_mean(areas(arrays)))
     return (
         f"{percent(caught)} of the clips of an action that was not learnt were told as none, and {percent(lost)} of "
-        f"the others were lost to it; area under the curve {number(area)}. Each action was left out in turn of all that "
-        f"is learnt, and the people who are asked about ({arrays['people']}) are not learnt from either; means over the "
-        "actions."
+        f"the others were lost to it; area under the curve {_figure(area)}. Each action in turn was left out of all that "
+        f"is learnt, and nobody who is asked about was learnt from ({arrays['people']}). Means over the actions."
     )
 
 
@@ -69,7 +68,7 @@ def _by_action(arrays: Mapping[str, np.ndarray]) -> Markup:
     for n, name in enumerate(arrays["left_out"]):
         mine = arrays["query_left_out"] == n
         count = int((mine & (arrays["truth"] == name)).sum())
-        figures = (_share(told[n, 1]), _share(told[n, 0]), number(float(area[n])), number(float(plain[n])))
+        figures = (_share(told[n, 1]), _share(told[n, 0]), _figure(area[n]), _figure(plain[n]))
         rows.append((str(name), count, *figures))
     columns = ("Left out", "Clips", "Caught", "Others lost", "Area", "Area by surprise")
     lead = "The area is the chance that a clip of the action is more novel than one of the others; 0.5 is guessing."
@@ -78,6 +77,10 @@ def _by_action(arrays: Mapping[str, np.ndarray]) -> Markup:
 
 def _share(value: float) -> str:
     return percent(float(value)) if np.isfinite(value) else DASH
+
+
+def _figure(value: float) -> str:
+    return number(float(value)) if np.isfinite(value) else DASH
 
 
 def _taken_for(arrays: Mapping[str, np.ndarray]) -> Markup:
