@@ -34,8 +34,8 @@ def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
     area = float(_mean(areas(arrays)))
     return (
         f"{percent(caught)} of the clips of an action that was not learnt were told as none, and {percent(lost)} of "
-        f"the others were lost to it; area under the curve {_figure(area)}. Each action in turn was left out of all that "
-        f"is learnt, and nobody who is asked about was learnt from ({arrays['people']}). Means over the actions."
+        f"the others were lost to it; area under the curve {_figure(area)}. Each action in turn was left out of all "
+        f"that is learnt, and nobody who is asked about was learnt from ({arrays['people']}). Means over the actions."
     )
 
 
