@@ -52,6 +52,45 @@ CLIPS = Kind(
     ),
 )
 
+
+def _held_out(prefix: str, many: str, what: str) -> tuple[Field, ...]:
+    """What models of other people say of clips, which "none of these" is calibrated on."""
+    of = f"of {what} to a model of other people"
+    return (
+        Field(f"{prefix}action", "int64", (many,), "1", f"Action of {what}", optional=True, refers=Ref("actions")),
+        Field(
+            f"{prefix}log_posterior", "float64", (many, "a"), "1", f"Mean log posterior of frames {of}", optional=True
+        ),
+        Field(f"{prefix}share", "float64", (many, "a"), "1", f"Mean posterior of frames {of}", optional=True),
+        Field(
+            f"{prefix}density",
+            "float64",
+            (many, "a", "g"),
+            "1",
+            f"Mean log density a dimension {of}; NaN not seen",
+            optional=True,
+        ),
+        Field(
+            f"{prefix}evidence",
+            "float64",
+            (many, "a", "g"),
+            "1",
+            f"Mean log posterior by each group {of}; NaN not seen",
+            optional=True,
+        ),
+        Field(f"{prefix}scale", "float64", (5, 2), "1", "Mean and spread of the novelty scores", optional=True),
+        Field(f"{prefix}known", "float64", (many,), "1", f"Novelty {of}", optional=True),
+        Field(
+            f"{prefix}unknown",
+            "float64",
+            (many,),
+            "1",
+            f"Novelty {of} that does not know its action; NaN if it knows but two",
+            optional=True,
+        ),
+    )
+
+
 BEHAVIOURS = Kind(
     "behaviours",
     1,
@@ -122,9 +161,11 @@ BEHAVIOURS = Kind(
             "float64",
             ("q",),
             "1",
-            "Novelty score of each clip to a model of other people, ascending",
+            "How unlike its best action the poses of each clip are to a model of other people, ascending",
             domain=FINITE,
         ),
+        *_held_out("held_out_", "l", "each held-out clip"),
+        *_held_out("held_out_pose_", "k", "each held-out clip by its poses alone"),
         Field("preferences", "float64", ("a", "g"), "1", "W of (5.12)", domain=FINITE),
         Field("frames", "int64", ("a",), "1", "Frames of each action that there were"),
         Field("clips", "int64", ("a",), "1", "Clips of each action that there were"),
@@ -189,9 +230,7 @@ RECOGNITION = Kind(
             "1",
             "Posterior of the answer by each group alone; NaN without frames",
         ),
-        Field(
-            "novelty", "float64", ("q",), "1", "How unlike all that was learnt of the best action; NaN without frames"
-        ),
+        Field("novelty", "float64", ("q",), "1", "How unlike held-out clips of the best action; NaN without frames"),
         Field("threshold", "float64", (), "1", "Novelty above which the answer is `none`; infinite: never"),
         Field("truth", "str", ("q",), "", "Label of each query; empty where unknown", optional=True),
         Field(
@@ -283,4 +322,23 @@ EVALUATION = Kind(
     ),
 )
 
-KINDS = (CLIPS, BEHAVIOURS, RECOGNITION, EVALUATION)
+NOVELTY = Kind(
+    "action-novelty",
+    1,
+    "What models that had not learnt an action said of its clips and of others, by people not learnt from.",
+    (
+        Field("people", "str", (), "", "How people were split"),
+        Field("left_out", "str", ("s",), "", "The action that each model had not learnt"),
+        Field("threshold", "float64", ("s",), "1", "Novelty above which the answer of each model is `none`"),
+        Field("surprise_threshold", "float64", ("s",), "1", "The same of surprise, where that alone decides"),
+        Field("query_left_out", "int64", ("n",), "1", "The action left out when asked", refers=Ref("left_out")),
+        Field("clips", "str", ("n",), "", "Clip that was asked about"),
+        Field("truth", "str", ("n",), "", "Its label", refers=Ref("left_out")),
+        Field("best", "str", ("n",), "", "The likeliest of the actions that were learnt", refers=Ref("left_out")),
+        Field("posterior", "float64", ("n",), "1", "Posterior of it", domain=WEIGHT),
+        Field("novelty", "float64", ("n",), "1", "How unlike held-out clips of it; NaN without frames"),
+        Field("surprise", "float64", ("n",), "1", "How unlike all its learnt poses; NaN without frames"),
+    ),
+)
+
+KINDS = (CLIPS, BEHAVIOURS, RECOGNITION, EVALUATION, NOVELTY)

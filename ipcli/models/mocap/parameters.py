@@ -12,6 +12,7 @@ from ipcli.params import option
 BODY = "body"  # the group of all groups
 MOTION = "motion"  # the group of how all of it changes
 SPLIT_KINDS = ("subjects", "leave-one-out", "one-to-rest", "published", "clips", "frames")  # what `splits` does
+LEFT_OUT = "leave-actions-out"  # what `left_out` does
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,13 @@ class Learning:
         flag="--spread",
         low=0.0,
     )
+    folds: int = option(
+        5,
+        "parts of the people that are held out in turn to calibrate when the answer is none; each costs as much as the "
+        "model itself",
+        flag="--folds",
+        low=2,
+    )
     draws: int = option(2, "draws of the sampler that a prediction averages, at most", low=1)
     features: Features = field(default_factory=Features)
     mixture: Mixture = field(default_factory=Mixture)
@@ -82,5 +90,5 @@ class Decision:
     prior_successes: float = option(1.0, "kappa of (5.12), of every group", low=0.0)
     evidence: float = option(2.0, "independent frames that a clip counts as, at most; neighbours say the same", low=1.0)
     reject: float = option(
-        0.99, "share of the clips learnt from that must be named rather than called none", low=0.0, high=1.0
+        0.98, "share of the clips of people held out that must be named rather than called none", low=0.0, high=1.0
     )

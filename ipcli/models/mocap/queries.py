@@ -10,6 +10,7 @@ import numpy as np
 from ipcli.models.mocap import recognition
 from ipcli.models.mocap.behaviours import Model
 from ipcli.models.mocap.motions import NONE, Motions
+from ipcli.models.mocap.novelty import PREFIXES, Reference, measure
 from ipcli.models.mocap.parameters import Decision
 from ipcli.models.mocap.recognition import Answer
 from ipcli.rng import stream
@@ -61,17 +62,38 @@ def _spans(known: Motions) -> np.ndarray:
     return np.stack([np.zeros(len(known.clips)), known.lengths / known.rates], axis=1)
 
 
-def recognise(
-    model: Model, density: np.ndarray, known: Motions, queries: Queries, decision: Decision, threshold: float
-) -> dict[str, np.ndarray]:
-    """Answer the queries from the frames' log densities (f, a, g); arrays of the `action-recognition` artefact.
+class Refusal(NamedTuple):
+    """When the answer is none of the actions."""
 
-    A query whose novelty score is above `threshold` is none of the actions.
-    """
+    threshold: float = np.inf  # novelty above which it is
+    reference: Reference | None = None  # what novelty is measured against; None: the poses of the best action alone
+    ordered: bool = True  # whether the queries are recordings in order
+    least: float = 0.0  # posterior of the best action below which it is
+
+
+def refusal(
+    model: Model, stored: Mapping[str, np.ndarray], decision: Decision, *, ordered: bool, least: float = 0.0
+) -> Refusal:
+    """As the `behaviours` artefact of a model was calibrated; one without a calibration has surprise alone."""
+    reference = Reference.of_arrays(model.groups, stored, PREFIXES[ordered])
+    if reference is None:
+        return Refusal(recognition.threshold(stored["novelty"], decision), None, ordered, least)
+    return Refusal(reference.threshold(decision), reference, ordered, least)
+
+
+def recognise(
+    model: Model, density: np.ndarray, known: Motions, queries: Queries, decision: Decision, refuse: Refusal
+) -> dict[str, np.ndarray]:
+    """Answer the queries from the frames' log densities (f, a, g); arrays of the `action-recognition` artefact."""
     rows, count = queries.rows, len(queries.clip)
     posterior = recognition.frame_posteriors(model, density, decision)
-    novelty = recognition.novelty_scores(model, density)
-    told = recognition.answer(posterior[rows], novelty[rows], queries.query, count, decision, threshold)
+    surprise = recognition.novelty_scores(model, density)
+    told = recognition.answer(posterior[rows], surprise[rows], queries.query, count, decision)
+    novelty = told.novelty
+    if refuse.reference is not None:
+        asked = measure(model, density[rows], queries.query, count, decision, ordered=refuse.ordered)
+        novelty = np.where(told.frames > 0, refuse.reference.novelty(asked), np.nan)
+    is_known = (novelty <= refuse.threshold) & (told.posterior.max(axis=1) >= refuse.least)
     return {
         "clips": np.array([known.clips[index].name for index in queries.clip], np.str_),
         "frames": told.frames.astype(np.int64),
@@ -79,9 +101,9 @@ def recognise(
         "actions": np.array(model.actions, np.str_),
         "groups": np.array(model.groups, np.str_),
         "posterior": told.posterior,
-        "novelty": told.novelty,
-        "answers": np.array([*model.actions, NONE], np.str_)[told.action],
-        "threshold": np.array(threshold, np.float64),
+        "novelty": novelty,
+        "answers": np.array([*model.actions, NONE], np.str_)[np.where(is_known, told.action, recognition.NONE)],
+        "threshold": np.array(refuse.threshold, np.float64),
         "group_posterior": group_shares(density, queries, told),
     } | query_labels(known, queries)
 

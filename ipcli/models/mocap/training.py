@@ -9,7 +9,7 @@ all of them, may be anything from a loop (the default) to a cluster.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,13 +19,13 @@ from ipcli.inverse.bayes.mixture import Fitted, State
 from ipcli.models.mocap import behaviours, recognition
 from ipcli.models.mocap.behaviours import Model
 from ipcli.models.mocap.motions import Motions, number_actions, with_mirror_images
+from ipcli.models.mocap.novelty import PREFIXES, Fold, Reference
 from ipcli.models.mocap.parameters import Decision, Learning
 from ipcli.models.mocap.projection import Projection
 from ipcli.rng import stream
 
 STAGE = "mocap-train"  # names the random streams
 SHOWN = 4  # poses of a behaviour: the most typical, and others
-VALIDATION_SHARE = 4  # a model that is validated learns from one in so many of the frames
 Fit = Callable[[Mapping[str, np.ndarray]], Mapping[str, Fitted]]  # coordinates (n, d) of each cell -> its mixture
 
 
@@ -122,91 +122,152 @@ def learn_behaviours(
 
     Raises ParameterError for an action with hardly a frame, or a group that is never seen whole.
     """
+    learnt = learn(known, learning, decision, seed, fit)
+    images = with_mirror_images(known) if learning.mirror else known
+    model, lengths = learnt.model, learnt.lengths
+    names, actions = number_actions(known.labels)
+    return (
+        behaviours.arrays(model)
+        | behaviours.body_arrays(known.skeleton, known.groups, lengths, model.groups)
+        | {"novelty": learnt.surprise, **_counts(known, actions, names)}
+        | {
+            name: values
+            for one in learnt.references.items()
+            for name, values in one[1].arrays(PREFIXES[one[0]]).items()
+        }
+        | {"preferences": recognition.preference(model, decision)}
+        | chain_diagnostics(learnt.training, learnt.fitted)
+        | typical_poses(learnt.training, learnt.fitted, images.poses(lengths))
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Learnt:
+    """A model, and what clips of people held out say of when the answer is none."""
+
+    model: Model
+    lengths: np.ndarray  # (j,), bones of the common skeleton
+    training: TrainingSet
+    fitted: Mapping[str, Fitted]  # of each cell
+    references: Mapping[bool, Reference]  # of recordings in order (True) and of poses alone, where there are any
+    surprise: np.ndarray  # (v,), how unlike the poses of its best action each held-out clip is, ascending
+
+
+def learn(
+    known: Motions, learning: Learning, decision: Decision, seed: int, fit: Fit | None = None, name: str = ""
+) -> Learnt:
+    """Learn from all labelled frames of the clips, and from all but a part of the people in turn; `name` starts the
+    names of the cells and so of the random streams.
+
+    Raises what learn_behaviours raises.
+    """
     fit = fit or (lambda points: fit_in_turn(points, learning, seed))
     lengths = known.reference_lengths()
     names, actions = number_actions(known.labels)
     learnt = with_mirror_images(known) if learning.mirror else known
     features = learnt.features(lengths, learning.features)
-    rng = stream(seed, STAGE, "frames")
+    rng = stream(seed, STAGE, f"frames{name}")
     whole = TrainingSet.draw(features, number_actions(learnt.labels)[1], names, learning, rng)
-    halves = validation_splits(known, learnt, learning, seed)
-    every = {"": whole} | {prefix: half.training for prefix, half in halves.items()}
-    found = fit({f"{prefix}{cell}": x for prefix, one in every.items() for cell, x in one.points.items()})
-    fitted = {cell: found[cell] for cell in whole.cells}
+    splits = validation_splits(known, learnt, learning, seed, name)
+    every = {"": whole} | {prefix: split.training for prefix, split in splits.items()}
+    found = fit({f"{name}{prefix}{cell}": x for prefix, one in every.items() for cell, x in one.points.items()})
     models = {
-        prefix: one.model({cell: found[f"{prefix}{cell}"] for cell in one.cells}) for prefix, one in every.items()
+        prefix: one.model({cell: found[f"{name}{prefix}{cell}"] for cell in one.cells}) for prefix, one in every.items()
     }
     model = models.pop("")
-    return (
-        behaviours.arrays(model)
-        | behaviours.body_arrays(known.skeleton, known.groups, lengths, model.groups)
-        | {"novelty": held_out_novelty(models, halves, known, actions, decision), **_counts(known, actions, names)}
-        | {"preferences": recognition.preference(model, decision)}
-        | chain_diagnostics(whole, fitted)
-        | typical_poses(whole, fitted, learnt.poses(lengths))
+    densities = {prefix: split.densities(models[prefix], known, actions) for prefix, split in splits.items()}
+    folds = [
+        splits[prefix].fold(models[prefix], density, known, actions)
+        for prefix, density in densities.items()
+        if models[prefix].actions == names
+    ]
+    references = {ordered: Reference.of_folds(folds, decision, ordered=ordered) for ordered in PREFIXES}
+    return Learnt(
+        model,
+        lengths,
+        whole,
+        {cell: found[f"{name}{cell}"] for cell in whole.cells},
+        {ordered: one for ordered, one in references.items() if one is not None},
+        held_out_surprise(models, splits, densities, known, actions, decision),
     )
 
 
 @dataclass(frozen=True, eq=False)
 class ValidationSplit:
-    """A training set from a part of the clips; the others tell how unlike what was learnt an action may look."""
+    """A training set from a part of the people; the others tell how unlike what was learnt an action may look."""
 
     is_learnt: np.ndarray  # (c,) bool, the clips that are learnt from
     features: Mapping[str, np.ndarray]  # (n, D) of each group, of all clips and of any mirror images after them; on the
     # common skeleton of those that are learnt from
     training: TrainingSet
 
+    def rows(self, known: Motions, actions: np.ndarray) -> np.ndarray:
+        """The frames to validate on: labelled as an action that was learnt, in clips that were not."""
+        shown = np.isin(known.labels, self.training.names)
+        return np.flatnonzero(~self.is_learnt[known.clip] & (actions >= 0) & shown)
 
-def validation_splits(known: Motions, learnt: Motions, learning: Learning, seed: int) -> dict[str, ValidationSplit]:
-    """Learn from one half of the people each, or of the clips of a single one, to validate on the other half.
+    def densities(self, model: Model, known: Motions, actions: np.ndarray) -> np.ndarray:
+        """log densities (f, a, g) of these frames."""
+        rows = self.rows(known, actions)
+        return recognition.log_densities(model, {group: x[rows] for group, x in self.features.items()})
 
-    `learnt` is `known`, with mirror images after them if those are learnt. Training takes a part of the frames only. An
-    action that one half does not show cannot be validated from it. By the prefix that the names of the cells get.
+    def fold(self, model: Model, density: np.ndarray, known: Motions, actions: np.ndarray) -> Fold:
+        """The clips to validate on, one of several actions as a clip for each."""
+        rows, count = self.rows(known, actions), len(model.actions)
+        keys, query = np.unique(known.clip[rows] * count + actions[rows], return_inverse=True)
+        return Fold(model, density, query, keys % count)
+
+
+def validation_splits(
+    known: Motions, learnt: Motions, learning: Learning, seed: int, name: str = ""
+) -> dict[str, ValidationSplit]:
+    """Learn from all but a part of the people each, or of the clips of a single one, to validate on that part.
+
+    `learnt` is `known`, with mirror images after them if those are learnt. An action that nobody else shows cannot be
+    validated. By the prefix that the names of the cells get.
     """
-    settings = replace(learning, frames=max(learning.frames // VALIDATION_SHARE, 2))
     names, actions = number_actions(learnt.labels)
     found = {}
-    for number, half in enumerate(_halves(known), 1):
-        own = np.where(np.resize(half[known.clip], len(actions)), actions, -1)
+    for number, kept in enumerate(_kept(known, learning.folds), 1):
+        own = np.where(np.resize(kept[known.clip], len(actions)), actions, -1)
         shown = [action for action in range(len(names)) if (own == action).sum() >= behaviours.LEAST_FRAMES]
         if shown:
             renumbered = np.full(len(own), -1)
             for index, action in enumerate(shown):
                 renumbered[own == action] = index
-            features = learnt.features(known.reference_lengths(np.flatnonzero(half)), settings.features)
-            rng = stream(seed, STAGE, f"frameshalf {number}")
-            kept = tuple(names[action] for action in shown)
-            training = TrainingSet.draw(features, renumbered, kept, settings, rng)
-            found[f"half {number}: "] = ValidationSplit(half, features, training)
+            features = learnt.features(known.reference_lengths(np.flatnonzero(kept)), learning.features)
+            rng = stream(seed, STAGE, f"frames{name}fold {number}")
+            training = TrainingSet.draw(features, renumbered, tuple(names[a] for a in shown), learning, rng)
+            found[f"fold {number}: "] = ValidationSplit(kept, features, training)
     return found
 
 
-def _halves(known: Motions) -> list[np.ndarray]:
-    """Every other person (c,) bool and the others; every other clip of a single person."""
-    people = np.unique(known.actors)
-    first = np.isin(known.actors, people[::2]) if len(people) > 1 else np.arange(len(known.clips)) % 2 == 0
-    return [first, ~first] if len(known.clips) > 1 else []
+def _kept(known: Motions, folds: int) -> list[np.ndarray]:
+    """The clips (c,) bool that are not held out, of each fold: every so many-th person, or clip of a single one, is."""
+    people, person = np.unique(known.actors, return_inverse=True)
+    part = person if len(people) > 1 else np.arange(len(known.clips))
+    folds = min(folds, len(people) if len(people) > 1 else 2, int(part.max()) + 1)
+    return [part % folds != (number + 1) % folds for number in range(folds)] if folds > 1 else []
 
 
-def held_out_novelty(
+def held_out_surprise(
     models: Mapping[str, Model],
     splits: Mapping[str, ValidationSplit],
+    densities: Mapping[str, np.ndarray],
     known: Motions,
     actions: np.ndarray,
     decision: Decision,
 ) -> np.ndarray:
-    """Novelty score of each labelled clip to a model of the other half, ascending; what scores higher is no action.
+    """How unlike its best action each labelled clip is to a model of the others, ascending.
 
-    Both by the same prefixes; actions (n,) int of all frames, -1 where unlabelled.
+    All by the same prefixes; actions (n,) int of all frames, -1 where unlabelled.
     """
     scores = []
     for prefix, model in models.items():
-        split = splits[prefix]
-        rows = np.flatnonzero(~split.is_learnt[known.clip] & (actions >= 0) & np.isin(known.labels, model.actions))
-        density = recognition.log_densities(model, {group: x[rows] for group, x in split.features.items()})
+        rows, density = splits[prefix].rows(known, actions), densities[prefix]
         posterior = recognition.frame_posteriors(model, density, decision)
-        novelty = recognition.novelty_scores(model, density)
-        scores.append(recognition.answer(posterior, novelty, known.clip[rows], len(known.clips), decision).novelty)
+        surprise = recognition.novelty_scores(model, density)
+        scores.append(recognition.answer(posterior, surprise, known.clip[rows], len(known.clips), decision).novelty)
     every = np.concatenate(scores) if scores else np.empty(0)
     return np.sort(every[np.isfinite(every)])
 

@@ -22,7 +22,8 @@ def fit_cells(
     points: Mapping[str, np.ndarray], settings: Learning, run: Run, work: Checkpoint, progress: Progress
 ) -> dict[str, Fitted]:
     """Learn the mixture of each cell by its coordinates (n, d). Raises ItemsFailed when some could not be learnt."""
-    work.save(POINTS, points)
+    for name, x in points.items():  # a file each: a cell then reads its own alone
+        work.save(f"{name}.{POINTS}", {POINTS: x})
     one = partial(_fit_cell, settings=settings, seed=run.seed, work=work)
     map_items(one, list(points), run.executor, progress)
     found = {name: Fitted.of_arrays(_saved(work, f"{name}.done")) for name in points}
@@ -35,7 +36,7 @@ def _fit_cell(name: str, *, settings: Learning, seed: int, work: Checkpoint) -> 
     if work.load(f"{name}.done") is not None:
         return
     state, watch = work.load(f"{name}.chains"), partial(work.save, f"{name}.chains")
-    found = fit_cell(name, _saved(work, POINTS)[name], settings, seed, state=state, watch=watch)
+    found = fit_cell(name, _saved(work, f"{name}.{POINTS}")[POINTS], settings, seed, state=state, watch=watch)
     work.save(f"{name}.done", found.arrays())
 
 

@@ -112,7 +112,8 @@ def recognised_arrays(
     model, body = behaviours.of_arrays(stored.arrays), behaviours.body_of_arrays(stored.arrays, "model")
     settings = resolve(Features, flags=stored.provenance["params"]["learning"]["features"])
     density = recognition.log_densities(model, known.features(body.lengths, settings))
-    if params.unordered or not params.motion:
+    ordered = params.motion and not params.unordered
+    if not ordered:
         density = recognition.poses_alone(model, density)
     if not np.isfinite(density).any():
         raise NoSolution(
@@ -121,8 +122,9 @@ def recognised_arrays(
         )
     progress(0.7, "answers")
     kind, asked = _queries(known, params, seed)
-    limit = recognition.threshold(stored.arrays["novelty"], params.decision) if params.none else np.inf
-    arrays = queries.recognise(model, density, known, asked, params.decision, limit) | {"queries": np.array(kind)}
+    refuse = queries.refusal(model, stored.arrays, params.decision, ordered=ordered, least=params.least)
+    refuse = refuse if params.none else refuse._replace(threshold=np.inf, least=0.0)
+    arrays = queries.recognise(model, density, known, asked, params.decision, refuse) | {"queries": np.array(kind)}
     return arrays | (queries.segments(known, arrays, asked) if kind == "window" else {})
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +11,12 @@ import numpy as np
 from ipcli.errors import ParameterError
 from ipcli.io.files import h5
 from ipcli.models.mocap.evaluation import evaluate, make_splits
+from ipcli.models.mocap.left_out import evaluate_left_out
 from ipcli.models.mocap.motions import number_actions, select
+from ipcli.models.mocap.parameters import LEFT_OUT
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
+from ipcli.report.mocap import action_novelty
 from ipcli.report.mocap.action_evaluation import accuracy
 from ipcli.stages.kit.artefact import Job, Outcome, make_resumable
 from ipcli.stages.kit.checkpoint import Checkpoint
@@ -23,6 +26,7 @@ from ipcli.stages.mocap.parameters import MocapEvaluate
 from ipcli.stages.mocap.reading import inputs, read
 
 KIND = "action-evaluation"
+NOVELTY = "action-novelty"
 
 
 def run(paths: Sequence[Path], output: Path, params: MocapEvaluate, run: Run, progress: Progress = silent) -> Outcome:
@@ -31,12 +35,17 @@ def run(paths: Sequence[Path], output: Path, params: MocapEvaluate, run: Run, pr
     Raises ParameterError for a split that leaves nothing on one side, and what reading.read raises.
     """
     files = inputs(paths, params.groups)
-    job = Job(output, KIND, "mocap-evaluate", params, files, page(output, KIND))
-    return make_resumable(job, lambda work: evaluation(paths, params, run, work, progress), run)
+    kind, make = (NOVELTY, left_out_evaluation) if params.split == LEFT_OUT else (KIND, evaluation)
+    job = Job(output, kind, "mocap-evaluate", params, files, page(output, kind))
+    return make_resumable(job, lambda work: make(paths, params, run, work, progress), run)
 
 
 def figures(output: Path) -> dict[str, Any]:
-    """The figures that a person wants of an evaluation: shares named right, each the mean over the splits."""
+    """The figures that a person wants of an evaluation: shares named right, each the mean over the splits; of actions
+    left out how many clips of them are caught and of the others lost, the mean over those actions.
+    """
+    if h5.peek(output).kind == NOVELTY:
+        return _novelty_figures(h5.read(output, NOVELTY).arrays)
     found = h5.read(output, KIND).arrays
     shares = {
         name: round(float(np.mean(accuracy(found[field]))), 4)
@@ -47,6 +56,32 @@ def figures(output: Path) -> dict[str, Any]:
         )
     }
     return {"splits": len(found["splits"]), "actions": len(found["classes"])} | shares
+
+
+def _novelty_figures(found: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    lost, caught = np.nanmean(action_novelty.shares(found), axis=0)
+    told = {"auc": np.nanmean(action_novelty.areas(found)), "unknown_caught": caught, "known_lost": lost}
+    told["auc_by_surprise"] = np.nanmean(action_novelty.areas(found, "surprise"))
+    return {"actions": len(found["left_out"])} | {name: round(float(share), 4) for name, share in told.items()}
+
+
+def left_out_evaluation(
+    paths: Sequence[Path], params: MocapEvaluate, run: Run, work: Checkpoint, progress: Progress
+) -> dict[str, np.ndarray]:
+    """The arrays of the `action-novelty` artefact. Raises ParameterError where there is nothing to leave out."""
+    known = select(read(paths, params.reading, params.groups), params.actors, params.actions)
+    people = "published" if params.only else "subjects"
+    split, *more = make_splits(known, people, run.seed, test=params.test, only=params.only)
+    if more:
+        raise ParameterError(f"actions are left out of one split at a time, and --only names {len(more) + 1}. Name one")
+    return evaluate_left_out(
+        known,
+        split,
+        params.learning,
+        params.decision,
+        run.seed,
+        lambda points: fit_cells(points, params.learning, run, work, progress),
+    )
 
 
 def evaluation(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ipcli.models.mocap.parameters import SPLIT_KINDS, Decision, Learning
+from ipcli.models.mocap.parameters import LEFT_OUT, SPLIT_KINDS, Decision, Learning
 from ipcli.params import option
 
 
@@ -85,6 +85,13 @@ class MocapClassify:
         True, "use how the parts move, where the model knows; else poses alone, in any order", flag="--motion"
     )
     none: bool = option(True, "allow the answer that it is none of the actions", flag="--none")
+    least: float = option(
+        0.0,
+        "least posterior of an answer, below which it is none: of clips, and of windows where an action changes",
+        flag="--least",
+        low=0.0,
+        high=1.0,
+    )
     reading: ClipReading = field(default_factory=ClipReading)
     decision: Decision = field(default_factory=Decision)
 
@@ -95,12 +102,13 @@ class MocapEvaluate:
 
     split: str = option(
         "subjects",
-        "how to split the clips: by subjects, at random by clips or frames, ...",
+        "how to split the clips: by subjects, at random by clips or frames, ...; leave-actions-out: by subjects (or "
+        "the published split --only names), each action left out in turn, to tell how often none of these is right",
         flag="--split",
-        choices=SPLIT_KINDS,
+        choices=(*SPLIT_KINDS, LEFT_OUT),
     )
     test: tuple[str, ...] = option(
-        (), "people to recognise with --split subjects; none given: every other one", flag="--test"
+        (), "people to recognise with --split subjects or leave-actions-out; none given: every other one", flag="--test"
     )
     only: tuple[str, ...] = option(
         (), "of the published splits, only these, with commas; none given: all", flag="--only"

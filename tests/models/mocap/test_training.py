@@ -15,7 +15,7 @@ from tests.fixtures.mocap_clips import every
 def halves(clips, mirror=False):
     known = Motions(tuple(clips), GROUPS)
     learnt = with_mirror_images(known) if mirror else known
-    return validation_splits(known, learnt, Learning(frames=80, mirror=mirror), 0)
+    return validation_splits(known, learnt, Learning(frames=80, mirror=mirror, folds=2), 0)
 
 
 @pytest.mark.parametrize("mirror", [False, True])
@@ -26,11 +26,11 @@ def test_half_of_the_people_are_not_learnt_from_not_even_their_bones(mirror):
         crooked = one.motion.positions * [1.0, 1.3, 0.7] if one.actor in ("bob", "dan") else one.motion.positions
         changed.append(replace(one, motion=replace(one.motion, positions=crooked, rotations=None)))
     before, after = halves(clips, mirror), halves(changed, mirror)
-    for cell, points in before["half 1: "].training.points.items():
-        np.testing.assert_array_equal(points, after["half 1: "].training.points[cell])
+    for cell, points in before["fold 1: "].training.points.items():
+        np.testing.assert_array_equal(points, after["fold 1: "].training.points[cell])
     assert any(
-        (points != after["half 2: "].training.points[cell]).any()
-        for cell, points in before["half 2: "].training.points.items()
+        (points != after["fold 2: "].training.points[cell]).any()
+        for cell, points in before["fold 2: "].training.points.items()
     )
 
 

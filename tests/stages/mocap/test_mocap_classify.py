@@ -13,7 +13,7 @@ from ipcli.models.mocap.parameters import Learning
 from ipcli.params import Run
 from ipcli.stages.kit.artefact import Outcome
 from ipcli.stages.mocap import mocap_classify, mocap_train
-from ipcli.stages.mocap.parameters import MocapClassify, MocapTrain
+from ipcli.stages.mocap.parameters import ClipReading, MocapClassify, MocapTrain
 from tests.fixtures.mocap_clips import clip, every, take, write, write_groups
 
 
@@ -66,6 +66,31 @@ def test_unordered_frames_are_asked_about_by_their_poses_alone(model, tmp_path):
     assert str(found["queries"]) == "unordered"
     assert found["frames"].tolist() == [4, 4, 4]
     assert np.isnan(found["group_posterior"][:, found["groups"].tolist().index("motion")]).all()
+
+
+def test_below_the_least_posterior_the_answer_is_none(model, tmp_path):
+    classify(model, tmp_path, [take()], window=0.5, reading=ClipReading())
+    plain = h5.read(tmp_path / "y.recognition.h5", "action-recognition").arrays
+    least = float(np.median(plain["posterior"].max(axis=1)))
+    source = tmp_path / "asked.clips.h5"
+    mocap_classify.run(model, [source], tmp_path / "z.h5", MocapClassify(window=0.5, least=least), Run())
+    found = h5.read(tmp_path / "z.h5", "action-recognition").arrays
+    unsure = found["posterior"].max(axis=1) < least
+    assert unsure.any()
+    assert (found["answers"] == np.where(unsure, "none", plain["answers"])).all()
+
+
+def test_a_model_of_before_there_were_calibrations_is_still_asked(model, tmp_path):
+    """Its surprise decides, as it did."""
+    stored = h5.read(model, "behaviours")
+    old = {name: values for name, values in stored.arrays.items() if not name.startswith("held_out_")}
+    assert len(old) < len(stored.arrays)
+    h5.write(tmp_path / "old.model.h5", "behaviours", old, stored.provenance)
+    source = write(tmp_path / "asked.clips.h5", [clip("kick", 3), clip("wave", 3)])
+    mocap_classify.run(tmp_path / "old.model.h5", [source], tmp_path / "y.h5", MocapClassify(), Run())
+    found = h5.read(tmp_path / "y.h5", "action-recognition").arrays
+    assert float(found["threshold"]) == np.quantile(old["novelty"], 0.98)
+    assert (found["posterior"].argmax(axis=1) == [1, 2]).all()
 
 
 def test_a_window_has_all_its_frames(model, tmp_path):

@@ -40,6 +40,21 @@ def test_the_artefact_is_sound_and_of_what_was_asked_for(source, tmp_path):
     assert run(source, tmp_path, **given) is Outcome.UP_TO_DATE
 
 
+def test_actions_are_left_out_of_one_split(source, tmp_path):
+    assert run(source, tmp_path, split="leave-actions-out", only=("first",)) is Outcome.DONE
+    found = h5.read(tmp_path / "x.evaluation.h5", "action-novelty").arrays
+    assert str(found["people"]) == "first"
+    assert len(found["clips"]) == 3 * 3 * 2
+    told = mocap_evaluate.figures(tmp_path / "x.evaluation.h5")
+    assert list(told) == ["actions", "auc", "unknown_caught", "known_lost", "auc_by_surprise"]
+    assert "Unknown actions: 3" in (tmp_path / "x.evaluation.html").read_text(encoding="utf-8")
+
+
+def test_actions_are_not_left_out_of_several_splits_at_once(source, tmp_path):
+    with pytest.raises(ParameterError, match="Name one"):
+        run(source, tmp_path, split="leave-actions-out", only=("first", "second"))
+
+
 def test_of_one_action_there_is_nothing_to_tell_apart(source, tmp_path):
     with pytest.raises(ParameterError, match="at least two"):
         run(source, tmp_path, actions=("kick",))
