@@ -12,5 +12,5 @@ experiments/animal-animals: $(INSTALLED)
 	    --data $(DATA) --cache build/meshes/animal
 
 experiments/animal-poses: $(INSTALLED)
-	$(BIN)/python -m experiments.animal.poses $(QUICKLY) build/experiments/animal-poses$(SUFFIX)/index.html \
+	$(BIN)/python -m experiments.animal.poses.page $(QUICKLY) build/experiments/animal-poses$(SUFFIX)/index.html \
 	    --data $(DATA) --cache build/meshes/animal

@@ -161,7 +161,7 @@ BEHAVIOURS = Kind(
             "float64",
             ("q",),
             "1",
-            "How unlike its best action the poses of each clip are to a model of other people, ascending",
+            "How unlike its best action the poses of parts of clips are to a model of other people, ascending",
             domain=FINITE,
         ),
         *_held_out("held_out_", "l", "each held-out clip"),
@@ -230,7 +230,7 @@ RECOGNITION = Kind(
             "1",
             "Posterior of the answer by each group alone; NaN without frames",
         ),
-        Field("novelty", "float64", ("q",), "1", "How unlike held-out clips of the best action; NaN without frames"),
+        Field("novelty", "float64", ("q",), "1", "How unlike held-out clips of the best action; NaN not told"),
         Field("threshold", "float64", (), "1", "Novelty above which the answer is `none`; infinite: never"),
         Field("truth", "str", ("q",), "", "Label of each query; empty where unknown", optional=True),
         Field(

@@ -155,7 +155,7 @@ def test_the_order_of_frames_and_missing_ones_change_nothing_or_little(place, te
         tell("mocap-classify", place / "model.h5", write(tmp_path / "c.clips.h5", clips), "--json")[1]
     )["answers"]
     assert [answer["answer"] for answer in answers] == ["kick"] * 3
-    assert answers[0]["novelty"] == pytest.approx(answers[1]["novelty"])
+    assert answers[0]["novelty"] == pytest.approx(answers[1]["novelty"], abs=0.1)  # motion goes the other way
     assert answers[2]["frames"] < answers[0]["frames"]
     assert tell("mocap-classify", place / "model.h5", tmp_path / "c.clips.h5", "--no-motion", output="y.h5")[0] == 0
     moving, alone = (

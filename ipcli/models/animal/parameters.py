@@ -48,11 +48,11 @@ class Volume:
 class Modelling:
     """Everything that shapes a model."""
 
+    inflation: Inflation = field(default_factory=Inflation)
+    volume: Volume = field(default_factory=Volume)
     other_pose: str = option(
         "bend",
         "Images of another pose: a model of them is bent into the reference pose to give the parts their shape.",
         flag="--other-pose",
         choices=OTHER_POSES,
     )
-    inflation: Inflation = field(default_factory=Inflation)
-    volume: Volume = field(default_factory=Volume)

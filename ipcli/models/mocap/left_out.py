@@ -16,7 +16,7 @@ from ipcli.models.mocap.motions import Motions, number_actions
 from ipcli.models.mocap.novelty import measure
 from ipcli.models.mocap.parameters import Decision, Learning
 from ipcli.models.mocap.splits import Split
-from ipcli.models.mocap.training import Fit, Learnt, learn
+from ipcli.models.mocap.training import Fit, LearntBehaviours, learn
 
 LEAST_ACTIONS = 3  # one left out, and two to tell apart
 
@@ -77,7 +77,9 @@ def without(motions: Motions, action: str) -> Motions:
     return replace(motions, clips=tuple(found))
 
 
-def _ask(learnt: Learnt, test: Motions, action: str, learning: Learning, decision: Decision) -> dict[str, np.ndarray]:
+def _ask(
+    learnt: LearntBehaviours, test: Motions, action: str, learning: Learning, decision: Decision
+) -> dict[str, np.ndarray]:
     """The answers to each labelled clip, one of several actions as a clip for each."""
     names, numbers = number_actions(test.labels)
     rows = np.flatnonzero(numbers >= 0)

@@ -30,6 +30,7 @@ LEAST_LOG = -30.0  # log posterior by a group below which it is as good as exclu
 SHRINKAGE = 0.2  # share of independence in the covariance of a profile within an action
 PRIOR_CLIPS = 5  # clips of an action that its spread is worth before any is seen
 NEIGHBOURS = 2  # held-out clips of the action that a query is compared with
+PART = 5  # frames of the parts of clips that surprise is known of; fewer are not judged as whole clips are
 LEAST = 1e-9  # spread below which a profile does not vary
 
 
@@ -158,13 +159,15 @@ class Profiles:
 
 def scores(groups: Sequence[str], held_out: Measured, action: np.ndarray, asked: Measured) -> np.ndarray:
     """Novelty scores (q, SCORES) of queries against held-out clips of actions (v,); the higher, the less like the
-    likeliest action. NaN where there is nothing to compare with.
+    likeliest action. NaN where there is nothing to compare with, or a group was not seen that the score asks for.
     """
     best, rows = asked.best, np.arange(len(asked.best))
     shown = [g for g in range(len(groups)) if np.isfinite(held_out.density[:, :, g]).any()]
     names = [groups[g] for g in shown]
-    own, density = (_filled(one.density[:, :, shown]) for one in (held_out, asked))
-    told, evidence = (_by_part(names, _filled(one.evidence[:, :, shown])) for one in (held_out, asked))
+    own, density = _filled(held_out.density[:, :, shown]), asked.density[:, :, shown]
+    told, evidence = (
+        _by_part(names, one) for one in (_filled(held_out.evidence[:, :, shown]), asked.evidence[:, :, shown])
+    )
     gaps = [np.log1p(one.log_posterior.max(axis=1, keepdims=True) - one.log_posterior) for one in (held_out, asked)]
     last = own[np.arange(len(action)), action, -1]
     centre, spread = _of_actions(last, action, held_out.log_posterior.shape[1])
@@ -263,6 +266,11 @@ class Reference:
     def novelty(self, asked: Measured) -> np.ndarray:
         """How unlike held-out clips of the action that is likeliest each query (q,) is; NaN without frames."""
         return combined(scores(self.groups, self.held_out, self.action, asked), self.scale)
+
+    def is_comparable(self, asked: Measured) -> np.ndarray:
+        """Whether each query (q,) shows all groups that the held-out clips do."""
+        shown = np.isfinite(self.held_out.density).any(axis=(0, 1))
+        return np.isfinite(asked.density[:, :, shown]).all(axis=(1, 2))
 
     def threshold(self, decision: Decision) -> float:
         """The novelty above which a query is none of the actions: `decision.reject` of the held-out clips are below."""

@@ -10,7 +10,7 @@ import numpy as np
 from ipcli.models.mocap import recognition
 from ipcli.models.mocap.behaviours import Model
 from ipcli.models.mocap.motions import NONE, Motions
-from ipcli.models.mocap.novelty import PREFIXES, Reference, measure
+from ipcli.models.mocap.novelty import PART, PREFIXES, Reference, measure
 from ipcli.models.mocap.parameters import Decision
 from ipcli.models.mocap.recognition import Answer
 from ipcli.rng import stream
@@ -66,19 +66,29 @@ class Refusal(NamedTuple):
     """When the answer is none of the actions."""
 
     threshold: float = np.inf  # novelty above which it is
-    reference: Reference | None = None  # what novelty is measured against; None: the poses of the best action alone
+    reference: Reference | None = None  # what novelty is measured against; None: surprise is the novelty
+    surprise: float = np.inf  # surprise above which it is, of a query that does not show all groups
     ordered: bool = True  # whether the queries are recordings in order
     least: float = 0.0  # posterior of the best action below which it is
 
 
 def refusal(
-    model: Model, stored: Mapping[str, np.ndarray], decision: Decision, *, ordered: bool, least: float = 0.0
+    model: Model,
+    stored: Mapping[str, np.ndarray],
+    decision: Decision,
+    *,
+    ordered: bool,
+    whole: bool = True,
+    least: float = 0.0,
 ) -> Refusal:
-    """As the `behaviours` artefact of a model was calibrated; one without a calibration has surprise alone."""
-    reference = Reference.of_arrays(model.groups, stored, PREFIXES[ordered])
-    if reference is None:
-        return Refusal(recognition.threshold(stored["novelty"], decision), None, ordered, least)
-    return Refusal(reference.threshold(decision), reference, ordered, least)
+    """As the `behaviours` artefact of a model was calibrated, which was on whole clips; a part of one says less.
+
+    Surprise alone decides about parts, and for a model that has no calibration.
+    """
+    reference = Reference.of_arrays(model.groups, stored, PREFIXES[ordered]) if whole else None
+    surprise = recognition.threshold(stored["novelty"], decision)
+    threshold = surprise if reference is None else reference.threshold(decision)
+    return Refusal(threshold, reference, surprise, ordered, least)
 
 
 def recognise(
@@ -92,8 +102,12 @@ def recognise(
     novelty = told.novelty
     if refuse.reference is not None:
         asked = measure(model, density[rows], queries.query, count, decision, ordered=refuse.ordered)
-        novelty = np.where(told.frames > 0, refuse.reference.novelty(asked), np.nan)
-    is_known = (novelty <= refuse.threshold) & (told.posterior.max(axis=1) >= refuse.least)
+        whole = refuse.reference.is_comparable(asked) & (told.frames >= PART)
+        novelty = np.where(whole, refuse.reference.novelty(asked), np.nan)
+    few = (told.frames > 0) & (told.frames < PART)  # too few to be called none by their density
+    plain = few | (told.novelty <= refuse.surprise)
+    is_known = np.where(np.isfinite(novelty), novelty <= refuse.threshold, plain)
+    is_known &= told.posterior.max(axis=1) >= refuse.least
     return {
         "clips": np.array([known.clips[index].name for index in queries.clip], np.str_),
         "frames": told.frames.astype(np.int64),

@@ -19,7 +19,7 @@ from ipcli.inverse.bayes.mixture import Fitted, State
 from ipcli.models.mocap import behaviours, recognition
 from ipcli.models.mocap.behaviours import Model
 from ipcli.models.mocap.motions import Motions, number_actions, with_mirror_images
-from ipcli.models.mocap.novelty import PREFIXES, Fold, Reference
+from ipcli.models.mocap.novelty import PART, PREFIXES, Fold, Reference
 from ipcli.models.mocap.parameters import Decision, Learning
 from ipcli.models.mocap.projection import Projection
 from ipcli.rng import stream
@@ -142,7 +142,7 @@ def learn_behaviours(
 
 
 @dataclass(frozen=True, eq=False)
-class Learnt:
+class LearntBehaviours:
     """A model, and what clips of people held out say of when the answer is none."""
 
     model: Model
@@ -155,7 +155,7 @@ class Learnt:
 
 def learn(
     known: Motions, learning: Learning, decision: Decision, seed: int, fit: Fit | None = None, name: str = ""
-) -> Learnt:
+) -> LearntBehaviours:
     """Learn from all labelled frames of the clips, and from all but a part of the people in turn; `name` starts the
     names of the cells and so of the random streams.
 
@@ -182,7 +182,7 @@ def learn(
         if models[prefix].actions == names
     ]
     references = {ordered: Reference.of_folds(folds, decision, ordered=ordered) for ordered in PREFIXES}
-    return Learnt(
+    return LearntBehaviours(
         model,
         lengths,
         whole,
@@ -258,18 +258,27 @@ def held_out_surprise(
     actions: np.ndarray,
     decision: Decision,
 ) -> np.ndarray:
-    """How unlike its best action each labelled clip is to a model of the others, ascending.
+    """How unlike its best action each part of a few frames of a labelled clip is to a model of the others, ascending.
 
-    All by the same prefixes; actions (n,) int of all frames, -1 where unlabelled.
+    Parts, as a clip of many frames is less surprising by chance than a few of them. All by the same prefixes; actions
+    (n,) int of all frames, -1 where unlabelled.
     """
     scores = []
     for prefix, model in models.items():
         rows, density = splits[prefix].rows(known, actions), densities[prefix]
         posterior = recognition.frame_posteriors(model, density, decision)
         surprise = recognition.novelty_scores(model, density)
-        scores.append(recognition.answer(posterior, surprise, known.clip[rows], len(known.clips), decision).novelty)
+        part = _parts(known.clip[rows])
+        scores.append(recognition.answer(posterior, surprise, part, int(part.max(initial=-1)) + 1, decision).novelty)
     every = np.concatenate(scores) if scores else np.empty(0)
     return np.sort(every[np.isfinite(every)])
+
+
+def _parts(clip: np.ndarray) -> np.ndarray:
+    """Number (f,) of the part of each frame: each clip (f,) in parts of PART frames or more, spread along it."""
+    _, first, index, count = np.unique(clip, return_index=True, return_inverse=True, return_counts=True)
+    parts = np.maximum(count // PART, 1)
+    return (np.cumsum(parts) - parts)[index] + (np.arange(len(clip)) - first[index]) % parts[index]
 
 
 def _counts(known: Motions, actions: np.ndarray, names: tuple[str, ...]) -> dict[str, np.ndarray]:

@@ -48,7 +48,7 @@ def _curve(arrays: Mapping[str, np.ndarray]) -> Markup:
     series = []
     for score, name in NAMES.items():
         lost, caught = _mean(shares(arrays, score))
-        ring = (100 * float(lost), 100 * float(caught)) if np.isfinite(lost + caught) else None
+        ring = (100 * float(lost), 100 * float(caught)) if score == "novelty" and np.isfinite(lost + caught) else None
         line = curve(arrays, score)
         series.append(curves.Series(name, 100 * LEVELS, 100 * line, dashed=score == "surprise", ring=ring))
     drawn = curves.plot(
@@ -56,7 +56,7 @@ def _curve(arrays: Mapping[str, np.ndarray]) -> Markup:
     )
     lead = (
         "Every threshold is a point of a curve: the share of the clips of learnt actions that are called none, and the "
-        "share of those of the action left out that are. The rings are the defaults (decision.reject moves them: 0.99 "
+        "share of those of the action left out that are. The ring is the default (decision.reject moves it: 0.99 "
         "loses fewer and catches fewer)."
     )
     return section("Caught against lost", element("div", drawn, class_="beside"), lead=lead)

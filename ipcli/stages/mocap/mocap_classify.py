@@ -122,8 +122,10 @@ def recognised_arrays(
         )
     progress(0.7, "answers")
     kind, asked = _queries(known, params, seed)
-    refuse = queries.refusal(model, stored.arrays, params.decision, ordered=ordered, least=params.least)
-    refuse = refuse if params.none else refuse._replace(threshold=np.inf, least=0.0)
+    refuse = queries.refusal(
+        model, stored.arrays, params.decision, ordered=ordered, whole=kind == "clip", least=params.least
+    )
+    refuse = refuse if params.none else refuse._replace(threshold=np.inf, surprise=np.inf, least=0.0)
     arrays = queries.recognise(model, density, known, asked, params.decision, refuse) | {"queries": np.array(kind)}
     return arrays | (queries.segments(known, arrays, asked) if kind == "window" else {})
 

@@ -1,4 +1,4 @@
-"""Aspects from another pose: `python -m experiments.animal.poses OUT.html`.
+"""Aspects from another pose: `python -m experiments.animal.poses.page OUT.html`.
 
 Five images of one pose (left, right, front, back, top) and two of another, the reference pose: how far is the model of
 the reference pose from the truth?
