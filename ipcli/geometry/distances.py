@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipcli.geometry import meshes
+
 SAMPLES = 20_000  # points on each surface
 VOXELS = 96  # along the longest side, for volumes
 
@@ -56,15 +58,10 @@ def to_surface(points: np.ndarray, goal: tuple[np.ndarray, np.ndarray]) -> np.nd
 
 def overlap(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> float:
     """Intersection over union of two bodies, counted in voxels by their winding numbers."""
-    import igl
-
     both = np.concatenate([first[0], second[0]])
     low, high = both.min(axis=0), both.max(axis=0)
     side = float((high - low).max()) / VOXELS
     axes = [np.arange(low[a] + side / 2, high[a], side) for a in range(3)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    inside = [
-        igl.fast_winding_number(np.ascontiguousarray(v, np.float64), np.ascontiguousarray(f, np.int64), points) > 0.5
-        for v, f in (first, second)
-    ]
+    inside = [meshes.contains(*body, points) for body in (first, second)]
     return float((inside[0] & inside[1]).sum() / max(int((inside[0] | inside[1]).sum()), 1))

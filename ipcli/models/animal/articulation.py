@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipcli.geometry import lie
+from ipcli.geometry import lie, meshes
 from ipcli.measurements.part_images import NONE, PartTree
 
 ELONGATED = 5.0  # lengths of a leaf part over its radius, from which on it bends within
@@ -113,7 +113,7 @@ def jointed(vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray, tree
     graph = edge_graph(vertices, faces)
     part = in_one_piece(vertex_parts(len(vertices), faces, face_part, len(tree)), graph)
     face_part = part[faces[:, 0]]
-    areas = triangle_areas(vertices, faces)
+    areas = meshes.areas(vertices, faces)
     order = [k for k in tree.downwards() if (part == k).sum() > 3]
     segment = np.full(len(vertices), NONE)
     parts: list[int] = []
@@ -166,17 +166,11 @@ def in_one_piece(part: np.ndarray, graph) -> np.ndarray:
     return np.where(source >= 0, part[np.maximum(source, 0)], part)
 
 
-def triangle_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Areas (m,) of triangles."""
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-
-
 def edge_graph(vertices: np.ndarray, faces: np.ndarray):
     """Sparse (n, n) lengths of the edges of a mesh."""
     from scipy.sparse import coo_array
 
-    ends = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+    ends = np.unique(meshes.edges(faces), axis=0)
     lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
     half = coo_array((lengths, ends.T), shape=(len(vertices),) * 2)
     return (half + half.T).tocsr()
@@ -277,7 +271,7 @@ def skin_weights(body: JointedBody) -> np.ndarray:
 
 def _joint_radius(body: JointedBody) -> float:
     """Median distance of the vertices beside a seam from its joint."""
-    ends = np.sort(body.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    ends = meshes.edges(body.faces)
     first, second = body.segment[ends[:, 0]], body.segment[ends[:, 1]]
     across = ends[first != second]
     if not len(across):

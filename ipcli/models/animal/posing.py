@@ -13,6 +13,7 @@ import numpy as np
 
 from ipcli.geometry import lie
 from ipcli.geometry.alignment import align
+from ipcli.geometry.meshes import volume
 from ipcli.geometry.orthographic import Orthographic, fibonacci
 from ipcli.geometry.part_masks import first_faces, render
 from ipcli.geometry.voxels import signed_distance
@@ -134,7 +135,7 @@ def first_pose(body: JointedBody, rough: JointedBody) -> Posture:
     pairs = [(_first(body, part), _first(rough, part)) for part in set(body.part.tolist()) & set(rough.part.tolist())]
     here = np.array([body.joint[k] for k, _ in pairs])
     there = np.array([rough.joint[k] for _, k in pairs])
-    scale = (_volume(rough) / _volume(body)) ** (1 / 3)
+    scale = (volume(rough.vertices, rough.faces) / volume(body.vertices, body.faces)) ** (1 / 3)
     rotation = np.eye(3)
     if len(pairs) >= 3:
         rotation = align(here, there, with_scale=False).rotation
@@ -146,11 +147,6 @@ def first_pose(body: JointedBody, rough: JointedBody) -> Posture:
 
 def _first(body: JointedBody, part: int) -> int:
     return int(np.flatnonzero(body.part == part)[0])
-
-
-def _volume(body: JointedBody) -> float:
-    a, b, c = (body.vertices[body.faces[:, k]] for k in range(3))
-    return float(abs(np.einsum("na,na->", a, np.cross(b, c))) / 6)
 
 
 @dataclass(frozen=True, eq=False)

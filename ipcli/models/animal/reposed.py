@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from ipcli.geometry import meshes
 from ipcli.geometry.orthographic import NAMED
 from ipcli.geometry.voxels import VoxelGrid, hull
 from ipcli.measurements.part_images import PartImage, PartTree
@@ -72,14 +73,10 @@ def fields_of(
 
     Inside is what the surface winds around; each point belongs to the part of the nearest face.
     """
-    import igl
-
     from ipcli.geometry import open3d
 
     points = grid.points().reshape(-1, 3)
-    inside = (
-        igl.fast_winding_number(np.ascontiguousarray(vertices), np.ascontiguousarray(faces, np.int64), points) > 0.5
-    )
+    inside = meshes.contains(vertices, faces, points)
     core = open3d.load().core
     scene = open3d.load().t.geometry.RaycastingScene()
     scene.add_triangles(core.Tensor(vertices.astype(np.float32)), core.Tensor(faces.astype(np.uint32)))

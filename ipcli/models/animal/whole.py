@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ipcli.errors import NoSolution
-from ipcli.geometry import level_sets
+from ipcli.geometry import level_sets, meshes
 from ipcli.geometry.orthographic import Orthographic
 from ipcli.geometry.voxels import Sight, VoxelGrid, hull
 from ipcli.measurements.part_images import PartImage, PartTree
@@ -157,8 +157,7 @@ def voted_labels(
         told = (met >= 0) & (labels > 0)
         np.add.at(votes, (met[told], labels[told] - 1), 1.0)
     part = np.where(votes.any(axis=1), np.argmax(votes, axis=1), guessed)
-    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    _, edge = np.unique(edges, axis=0, return_inverse=True)
+    _, edge = np.unique(meshes.edges(faces), axis=0, return_inverse=True)
     touching = coo_array((np.ones(len(edge)), (np.repeat(np.arange(len(faces)), 3), edge.reshape(-1)))).tocsr()
     for _ in range(MAJORITY):
         shares = touching @ (touching.T @ np.eye(parts)[part])

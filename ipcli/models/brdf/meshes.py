@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ipcli.geometry.meshes import vertex_normals
 from ipcli.geometry.raycast import Caster, Mesh
 from ipcli.models.brdf.surfaces import ImplicitSurface
 
@@ -29,13 +30,3 @@ def seen(vertices: np.ndarray, faces: np.ndarray, side: int, rotation: np.ndarra
     shown = np.full((*mask.shape, 3), np.nan)
     shown[mask] = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     return ImplicitSurface(mask, height * side / 2, shown, False, name)
-
-
-def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Unit normals (n, 3) of vertices, the mean of their triangles' weighed by area; zero where there are none."""
-    a, b, c = np.moveaxis(vertices[faces], 1, 0)
-    of_face = np.cross(b - a, c - a)
-    total = np.stack(
-        [np.bincount(faces.ravel(), np.repeat(of_face[:, k], 3), minlength=len(vertices)) for k in range(3)], axis=-1
-    )
-    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)

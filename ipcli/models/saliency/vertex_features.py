@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from ipcli.geometry.meshes import vertex_normals
+
 SPACING = "vertex spacing"
 SITES = 2500
 COUNTS = (8, 16, 32, 64)  # nearest neighbours of the fine features
@@ -168,14 +170,7 @@ def ranks(values: np.ndarray) -> np.ndarray:
     return (rankdata(values) - 0.5) / len(values)
 
 
-def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Unit normals (n, 3) of vertices (n, 3), those of their triangles (m, 3) weighted by area; up where there are
-    none.
-    """
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    across = np.cross(b - a, c - a)
-    total = np.zeros((len(vertices), 3))
-    for k in range(3):
-        np.add.at(total, faces[:, k], across)
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    return np.where(length > 0, total / np.maximum(length, 1e-300), [0.0, 1.0, 0.0])
+def upright_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Unit normals (n, 3) of the vertices of a mesh; up where there are none."""
+    normals = vertex_normals(vertices, faces)
+    return np.where(normals.any(axis=1, keepdims=True), normals, [0.0, 1.0, 0.0])

@@ -16,7 +16,7 @@ from ipcli.io.meshes import mesh
 from ipcli.models.saliency import image_model, vertex_model
 from ipcli.models.saliency.channels import shrunk
 from ipcli.models.saliency.learning import Predictor
-from ipcli.models.saliency.vertex_features import vertex_normals
+from ipcli.models.saliency.vertex_features import upright_normals
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
@@ -56,7 +56,7 @@ def read_surface(source: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray | Non
     if declared.get("face", (0, ()))[0]:
         vertices, faces = mesh.read(source)
         if len(vertices) >= FEWEST:
-            return vertices, vertex_normals(vertices, faces), faces
+            return vertices, upright_normals(vertices, faces), faces
     else:
         cloud = ply.read(source)
         vertices = cloud.vertices.astype(np.float64)

@@ -63,5 +63,5 @@ def test_normals_of_vertices_point_out_of_a_mesh():
     import trimesh
 
     mesh = trimesh.creation.icosphere(2)
-    found = vertex_features.vertex_normals(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+    found = vertex_features.upright_normals(np.asarray(mesh.vertices), np.asarray(mesh.faces))
     assert found == pytest.approx(np.asarray(mesh.vertices), abs=0.03)
