@@ -32,6 +32,11 @@ class Orthographic:
         """Pixels (..., 2) as (column, row) of world points (..., 3)."""
         return self.scale * (points @ self.rotation[:2].T) + self.shift
 
+    def pixel(self, points: np.ndarray, shape: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+        """Row and column (...) of the pixel of an image (h, w) that is nearest to each of world points (..., 3)."""
+        at = np.rint(self.project(points)).astype(int)
+        return np.clip(at[..., 1], 0, shape[0] - 1), np.clip(at[..., 0], 0, shape[1] - 1)
+
     def depth(self, points: np.ndarray) -> np.ndarray:
         """Depth (...) of world points (..., 3) along the direction of view, in units of the world."""
         return points @ self.rotation[2]

@@ -64,9 +64,21 @@ class PartImage:
         """Pixels (h, w) bool of the animal."""
         return self.labels != BACKGROUND
 
+    def outlines(self) -> dict[int, np.ndarray]:
+        """Pixels (m, 2) float64, as (column, row), of each part that lie beside the background, if it has any."""
+        from scipy.ndimage import binary_dilation
+
+        rim = np.where(binary_dilation(~self.silhouette), self.labels, BACKGROUND)
+        return {int(label) - 1: pixels_of(rim == label) for label in np.unique(rim[rim != BACKGROUND])}
+
     def gives(self, part: int) -> bool:
         """Whether the image is meant to give the part its shape."""
         return self.aspects is None or part in self.aspects
+
+
+def pixels_of(mask: np.ndarray) -> np.ndarray:
+    """The pixels (m, 2) float64 of a mask as (column, row), row by row."""
+    return np.argwhere(mask)[:, ::-1].astype(np.float64)
 
 
 def seen_by(images: Sequence[PartImage], part: int) -> list[int]:

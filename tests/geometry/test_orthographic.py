@@ -52,3 +52,10 @@ def test_directions_cover_the_sphere():
     probe = rng.normal(size=(200, 3))
     probe /= np.linalg.norm(probe, axis=1, keepdims=True)
     assert np.degrees(np.arccos((probe @ d.T).max(axis=1))).max() < 5
+
+
+def test_the_pixel_of_a_point_is_the_nearest_and_in_the_image():
+    camera = ortho.Orthographic(ortho.named("left"), 2.0, np.array([5.0, 4.0]))
+    points = camera.lift(np.array([[3.4, 2.6], [-3.0, 99.0]]), 1.0)
+    row, column = camera.pixel(points, (8, 10))
+    assert (row.tolist(), column.tolist()) == ([3, 7], [3, 0])

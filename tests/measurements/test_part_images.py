@@ -25,3 +25,14 @@ def test_odd_masks_are_told_of():
 
 def test_sound_masks_are_not():
     assert oddities([shot for shot, _ in limbs.shots(("left", "right"))], limbs.TREE) == []
+
+
+def test_outlines_are_what_lies_beside_the_background():
+    labels = np.zeros((6, 7), np.int16)
+    labels[1:5, 1:4], labels[1:5, 4:6] = 1, 2
+    labels[2, 2] = 3  # in the midst of the first
+    found = PartImage("a", labels).outlines()
+    assert set(found) == {0, 1}
+    inner = {(2, 2), (2, 3), (3, 2), (3, 3), (4, 2), (4, 3)}  # as (column, row)
+    assert {tuple(pixel) for pixel in found[0]} == {(c, r) for c in (1, 2, 3) for r in range(1, 5)} - inner
+    assert {tuple(pixel) for pixel in found[1]} == {(c, r) for c in (4, 5) for r in range(1, 5)} - inner

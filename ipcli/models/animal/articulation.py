@@ -9,6 +9,7 @@ joint to its parent. Skinning blends the turns of neighbouring segments, so that
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -45,6 +46,7 @@ class JointedBody:
         """Diagonal of the box around it."""
         return float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
 
+    @cached_property
     def below(self) -> np.ndarray:
         """(s, s) bool: whether turning the first segment moves the second."""
         moved = np.eye(len(self), dtype=bool)

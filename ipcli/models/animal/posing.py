@@ -17,7 +17,7 @@ from ipcli.geometry.meshes import volume
 from ipcli.geometry.orthographic import Orthographic, fibonacci
 from ipcli.geometry.part_masks import first_faces, render
 from ipcli.geometry.voxels import signed_distance
-from ipcli.measurements.part_images import NONE, PartImage
+from ipcli.measurements.part_images import NONE, PartImage, pixels_of
 from ipcli.models.animal.articulation import JointedBody, Posture
 from ipcli.models.animal.whole import overlap
 
@@ -51,14 +51,12 @@ class Target:
     @classmethod
     def of(cls, image: PartImage, camera: Orthographic, rng: np.random.Generator) -> Target:
         """That of an image and its camera."""
-        from scipy.ndimage import binary_dilation
-
-        away, pixels = {}, {}
+        away, pixels, outlines = {}, {}, image.outlines()
         for part in np.unique(image.labels[image.labels > 0]) - 1:
             mask = image.mask(int(part))
             away[int(part)] = np.maximum(signed_distance(mask), 0.0)
-            rim = mask & binary_dilation(~image.silhouette)
-            pixels[int(part)] = np.concatenate([_some(rim, PIXELS, rng), _some(mask, PIXELS, rng)])
+            rim = outlines.get(int(part), np.empty((0, 2)))
+            pixels[int(part)] = np.concatenate([_some(rim, PIXELS, rng), _some(pixels_of(mask), PIXELS, rng)])
         return cls(camera, image, np.maximum(signed_distance(image.silhouette), 0.0), away, pixels)
 
 
@@ -108,14 +106,14 @@ def _fitted(fitting: Fitting, samples: Samples, rough: JointedBody) -> Posture:
     body = fitting.body
     root = body.part[0]
     pose = first_pose(body, rough)
-    pose = fitting.refined(pose, samples.of_parts([root]), body.part == root, ALONE_STEPS, is_free=True)
+    pose = fitting.refined(pose, samples.of_parts([root]), body.part == root, ALONE_STEPS, with_place=True)
     for number, robust in enumerate(np.geomspace(*ROBUST, ROUNDS)):
         if number in PLACED:
             for part in dict.fromkeys(body.part.tolist()):
                 pose = pose if part == root else fitting.placed(pose, samples, part, rough)
         fitting = replace(fitting, robust=float(robust))
         seen = fitting.visible(pose, samples)
-        pose = fitting.refined(pose, samples, np.ones(len(body), bool), STEPS, is_free=True, seen=seen)
+        pose = fitting.refined(pose, samples, np.ones(len(body), bool), STEPS, with_place=True, seen=seen)
     return pose
 
 
@@ -165,9 +163,8 @@ class Fitting:
         seen = []
         for target in self.targets:
             _, depth = first_faces(vertices, self.body.faces, target.camera, target.image.labels.shape)
-            at = np.rint(target.camera.project(vertices[samples.vertex])).astype(int)
-            column, row = (np.clip(at[:, a], 0, n - 1) for a, n in ((0, depth.shape[1]), (1, depth.shape[0])))
-            behind = target.camera.depth(vertices[samples.vertex]) - depth[row, column]
+            points = vertices[samples.vertex]
+            behind = target.camera.depth(points) - depth[target.camera.pixel(points, depth.shape)]
             seen.append(~(behind > 0.02 * self.size))
         return np.array(seen)
 
@@ -227,20 +224,18 @@ class Fitting:
         samples: Samples,
         free: np.ndarray,
         steps: int,
-        is_free: bool = False,
+        with_place: bool = False,
         seen: np.ndarray | None = None,
     ) -> Posture:
-        """Gauss-Newton on the turns of the `free` segments (s,) bool and, with `is_free`, place and scale."""
+        """Gauss-Newton on the turns of the `free` segments (s,) bool and, with `with_place`, place and scale."""
         damping = 1e-3
-        points = pose.rigid(self.body, samples.points, samples.segment)
-        best = self._system(pose, samples, points, free, is_free, seen)
+        best = self._system(pose, samples, free, with_place, seen)
         for _ in range(steps):
             matrix, gradient, value = best
             for _ in range(4):
                 step = np.linalg.solve(matrix + damping * np.diag(np.diag(matrix) + 1e-9), -gradient)
-                tried = self._stepped(pose, step, free, is_free)
-                points = tried.rigid(self.body, samples.points, samples.segment)
-                system = self._system(tried, samples, points, free, is_free, seen)
+                tried = self._stepped(pose, step, free, with_place)
+                system = self._system(tried, samples, free, with_place, seen)
                 if system[2] < value:
                     pose, best, damping = tried, system, damping / 4
                     break
@@ -249,26 +244,27 @@ class Fitting:
                 break
         return pose
 
-    def _stepped(self, pose: Posture, step: np.ndarray, free: np.ndarray, is_free: bool) -> Posture:
+    def _stepped(self, pose: Posture, step: np.ndarray, free: np.ndarray, with_place: bool) -> Posture:
         vectors = np.zeros((len(self.body), 3))
         count = 3 * int(free.sum())
         vectors[free] = step[:count].reshape(-1, 3)
         length = np.linalg.norm(vectors, axis=1, keepdims=True)
         vectors *= np.minimum(1.0, 0.5 / np.maximum(length, 1e-12))
-        shift, log_scale = (step[count : count + 3] * self.size, step[count + 3]) if is_free else (np.zeros(3), 0.0)
+        shift, log_scale = (step[count : count + 3] * self.size, step[count + 3]) if with_place else (np.zeros(3), 0.0)
         return pose.turned(self.body, vectors, shift, float(np.clip(log_scale, -0.2, 0.2)))
 
     def _system(
         self,
         pose: Posture,
         samples: Samples,
-        points: np.ndarray,
         free: np.ndarray,
-        is_free: bool,
+        with_place: bool,
         seen: np.ndarray | None,
     ) -> tuple[np.ndarray, np.ndarray, float]:
         """Normal equations and value of the robust sum of squares around a pose."""
-        slopes = self._slopes(pose, samples, points, free, is_free)
+        points = pose.rigid(self.body, samples.points, samples.segment)
+        rotations, joints = pose.motions(self.body)
+        slopes = self._slopes(joints, samples, points, free, with_place)
         count = slopes.shape[2]
         matrix, gradient, value = np.zeros((count, count)), np.zeros(count), 0.0
         for number, target in enumerate(self.targets):
@@ -283,26 +279,25 @@ class Fitting:
         for number, k in enumerate(np.flatnonzero(free)):
             if self.body.parent[k] == NONE:
                 continue
-            parent = pose.motions(self.body)[0][self.body.parent[k]]
+            parent = rotations[self.body.parent[k]]
             bend, own = self.bend * parent @ lie.log(pose.turns[k]), slice(3 * number, 3 * number + 3)
             value += float(bend @ bend)
             matrix[own, own] += self.bend**2 * np.eye(3)
             gradient[own] += self.bend * bend
-        if is_free:
+        if with_place:
             matrix[-1, -1] += 1e-6
         return matrix, gradient, value
 
     def _slopes(
-        self, pose: Posture, samples: Samples, points: np.ndarray, free: np.ndarray, is_free: bool
+        self, joints: np.ndarray, samples: Samples, points: np.ndarray, free: np.ndarray, with_place: bool
     ) -> np.ndarray:
-        """How points (n, 3) move with the unknowns (n, 3, c), in sizes."""
-        _, joints = pose.motions(self.body)
-        below = self.body.below()
+        """How points (n, 3) move with the unknowns (n, 3, c), in sizes, with the joints (s, 3) where they are."""
+        below = self.body.below
         blocks = []
         for k in np.flatnonzero(free):
             turned = -lie.hat((points - joints[k]) / self.size)
             blocks.append(turned * below[k][samples.segment][:, None, None])
-        if is_free:
+        if with_place:
             blocks.append(np.tile(np.eye(3), (len(points), 1, 1)))
             blocks.append(((points - joints[0]) / self.size)[:, :, None])
         return np.concatenate(blocks, axis=2)
@@ -332,11 +327,9 @@ class Fitting:
             yield (own[nearest[apart]], toward @ plane), _slack(away[apart] * unit), weight
 
 
-def _some(mask: np.ndarray, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Up to so many pixels (n, 2) of a mask as (column, row)."""
-    rows, columns = np.nonzero(mask)
-    chosen = rng.permutation(len(rows))[:count]
-    return np.stack([columns[chosen], rows[chosen]], axis=1).astype(np.float64)
+def _some(pixels: np.ndarray, count: int, rng: np.random.Generator) -> np.ndarray:
+    """Up to so many of some pixels (n, 2)."""
+    return pixels[rng.permutation(len(pixels))[:count]]
 
 
 def _slack(errors: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ the surface follows as smoothly as it can.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -32,13 +33,16 @@ def pulled(
     import igl
 
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    outlines = [_outlines(image) for image in images]
+    targets = [
+        OutlineTarget(camera, image.outlines(), signed_distance(image.silhouette))
+        for image, camera in zip(images, cameras, strict=True)
+    ]
     corners = np.ascontiguousarray(faces, np.int64)
     for length in np.geomspace(*LENGTHS, rounds):
         normals = igl.per_vertex_normals(np.ascontiguousarray(vertices), corners)
         wanted, told = np.zeros_like(vertices), np.zeros(len(vertices))
-        for image, camera, outline in zip(images, cameras, outlines, strict=True):
-            _ask(vertices, normals, part, image, camera, outline, size, wanted, told)
+        for target in targets:
+            target.ask(vertices, normals, part, size, wanted, told)
         if not told.any():
             return vertices
         wanted /= np.maximum(told, 1.0)[:, None]
@@ -46,63 +50,55 @@ def pulled(
     return vertices
 
 
-def _outlines(image: PartImage) -> dict[int, np.ndarray]:
-    """Pixels (m, 2) of each part as (column, row) that lie beside the background."""
-    from scipy.ndimage import binary_dilation
+@dataclass(frozen=True, eq=False)
+class OutlineTarget:
+    """Where an image wants the rims to be: outlines (m, 2) of its parts, and the distance (h, w) to its silhouette."""
 
-    beside = binary_dilation(~image.silhouette)
-    found = {}
-    for part in np.unique(image.labels[image.labels > 0]) - 1:
-        rows, columns = np.nonzero(image.mask(int(part)) & beside)
-        if len(rows):
-            found[int(part)] = np.stack([columns, rows], axis=1).astype(np.float64)
-    return found
+    camera: Orthographic
+    outlines: dict[int, np.ndarray]
+    outside: np.ndarray
 
+    def ask(
+        self,
+        vertices: np.ndarray,
+        normals: np.ndarray,
+        part: np.ndarray,
+        size: float,
+        wanted: np.ndarray,
+        told: np.ndarray,
+    ) -> None:
+        """Add to `wanted` (n, 3) and `told` (n,) how the image wants the rim to move and how often."""
+        from scipy.spatial import cKDTree
 
-def _ask(
-    vertices: np.ndarray,
-    normals: np.ndarray,
-    part: np.ndarray,
-    image: PartImage,
-    camera: Orthographic,
-    outlines: dict[int, np.ndarray],
-    size: float,
-    wanted: np.ndarray,
-    told: np.ndarray,
-) -> None:
-    """Add to `wanted` (n, 3) and `told` (n,) how an image wants the rim to move and how often."""
-    from scipy.spatial import cKDTree
+        camera = self.camera
+        at = camera.project(vertices)
+        grazing = np.abs(normals @ camera.direction) < GRAZING
+        reach = REACH * size * camera.scale
+        facing = normals @ camera.rotation[:2].T
+        facing /= np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-9)
 
-    at = camera.project(vertices)
-    grazing = np.abs(normals @ camera.direction) < GRAZING
-    reach = REACH * size * camera.scale
-    facing = normals @ camera.rotation[:2].T
-    facing /= np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-9)
+        def across(which: np.ndarray, step: np.ndarray) -> np.ndarray:
+            """Steps (m, 2) in pixels as displacements (m, 3) along normals: along the rim nothing is known."""
+            told_by = (step * facing[which]).sum(axis=1, keepdims=True) * facing[which]
+            return told_by / camera.scale @ camera.rotation[:2]
 
-    def across(which: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """Steps (m, 2) in pixels as displacements (m, 3) along the rim's normals: along the rim nothing is known."""
-        told_by = (step * facing[which]).sum(axis=1, keepdims=True) * facing[which]
-        return told_by / camera.scale @ camera.rotation[:2]
-
-    for k, outline in outlines.items():
-        rim = np.flatnonzero(grazing & (part == k))
-        if not len(rim):
-            continue
-        away, nearest = cKDTree(at[rim]).query(outline, distance_upper_bound=reach)
-        near = np.isfinite(away)
-        asked = rim[nearest[near]]
-        np.add.at(wanted, asked, across(asked, outline[near] - at[asked]))
-        np.add.at(told, asked, 1.0)
-    every = np.concatenate(list(outlines.values()))
-    column, row = np.rint(at).astype(int).T
-    column, row = np.clip(column, 0, image.labels.shape[1] - 1), np.clip(row, 0, image.labels.shape[0] - 1)
-    outside = np.flatnonzero(signed_distance(image.silhouette)[row, column] > 1.0)
-    if len(outside):
-        away, nearest = cKDTree(every).query(at[outside], distance_upper_bound=reach)
-        near = np.isfinite(away)
-        asked = outside[near]
-        wanted[asked] += across(asked, every[nearest[near]] - at[asked])
-        told[asked] += 1.0
+        for k, outline in self.outlines.items():
+            rim = np.flatnonzero(grazing & (part == k))
+            if not len(rim):
+                continue
+            away, nearest = cKDTree(at[rim]).query(outline, distance_upper_bound=reach)
+            near = np.isfinite(away)
+            asked = rim[nearest[near]]
+            np.add.at(wanted, asked, across(asked, outline[near] - at[asked]))
+            np.add.at(told, asked, 1.0)
+        outside = np.flatnonzero(self.outside[camera.pixel(vertices, self.outside.shape)] > 1.0)
+        if len(outside):
+            every = np.concatenate(list(self.outlines.values()))
+            away, nearest = cKDTree(every).query(at[outside], distance_upper_bound=reach)
+            near = np.isfinite(away)
+            asked = outside[near]
+            wanted[asked] += across(asked, every[nearest[near]] - at[asked])
+            told[asked] += 1.0
 
 
 def _smoothly(

@@ -192,9 +192,7 @@ def seen_by(surface: PartedSurface, images: Sequence[PartImage], cameras: Sequen
     for image, camera in zip(images, cameras, strict=True):
         shape = image.labels.shape
         _, depth = render(vertices, surface.faces, surface.face_part + 1, camera, shape)
-        column, row = np.rint(camera.project(vertices)).astype(int).T
-        column, row = np.clip(column, 0, shape[1] - 1), np.clip(row, 0, shape[0] - 1)
-        count += camera.depth(vertices) <= depth[row, column] + slack
+        count += camera.depth(vertices) <= depth[camera.pixel(vertices, shape)] + slack
     return count
 
 

@@ -38,8 +38,7 @@ def test_the_gradient_is_the_slope_of_the_value(body):
     start = Posture.rest(body).turned(body, 0.1 * rng.normal(size=(len(body), 3)), np.array([0.05, 0.02, -0.03]), 0.05)
 
     def system(pose):
-        points = pose.rigid(body, samples.points, samples.segment)
-        return fitting._system(pose, samples, points, free, True, None)
+        return fitting._system(pose, samples, free, True, None)
 
     _, gradient, _ = system(start)
     step = rng.normal(size=len(gradient))
