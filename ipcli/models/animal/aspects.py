@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from ipcli.inverse.regularize import finite_elements
 from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal.loads import load
 from ipcli.models.animal.parameters import Inflation
+from ipcli.progress import Progress, silent
 
 LEAST_SHARE = 0.25  # of the pixels of a part in its largest mask
 LEAST_PIXELS = 12  # of a mask that can be triangulated
@@ -59,7 +60,7 @@ def lift_all(
     images: Sequence[PartImage],
     tree: PartTree,
     params: Inflation,
-    progress: Callable[[float, str], None] = lambda share, what: None,
+    progress: Progress = silent,
 ) -> dict[tuple[str, int], Aspect]:
     """The aspects of all parts in all images that are to give them their shape, by name of image and part.
 

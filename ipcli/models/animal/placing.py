@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from ipcli.models.animal import whole
 from ipcli.models.animal.cameras import align
 from ipcli.models.animal.parameters import Modelling
 from ipcli.models.animal.search import cloud_of, find_camera, known_outlines
+from ipcli.progress import Progress, silent
 
 ROUGH = 56  # voxels of the models that cameras are found with
 ROUNDS = 2  # of finding the cameras without a name again, each with a model from all others
@@ -23,7 +24,7 @@ def placed(
     images: Sequence[PartImage],
     tree: PartTree,
     params: Modelling,
-    progress: Callable[[float, str], None] = lambda share, what: None,
+    progress: Progress = silent,
 ) -> list[Orthographic]:
     """Cameras of all images, in their order. The first image with a named view has scale 1 (in pixels of its own).
 

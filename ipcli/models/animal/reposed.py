@@ -6,7 +6,7 @@ silhouettes know where each part ends. So the model is posed, drawn to the outli
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from ipcli.models.animal.parts import Shot
 from ipcli.models.animal.placing import placed
 from ipcli.models.animal.posing import fit, likeness
 from ipcli.models.animal.pulling import pulled
+from ipcli.progress import Progress, silent
 
 BESIDE = 0.5  # voxels: least value of a part's field where the body belongs to another part
 
@@ -39,7 +40,7 @@ def reposed(
     tree: PartTree,
     heights: Mapping[tuple[str, int], np.ndarray],
     params: Modelling,
-    progress: Callable[[float, str], None] = lambda share, what: None,
+    progress: Progress = silent,
 ) -> tuple[list[np.ndarray], float]:
     """The field (nx, ny, nz) of each part from images of another pose, and the overlap in [0, 1] of the labels of that
     pose's model with the images of the reference pose once it was bent.

@@ -6,7 +6,6 @@ averaged with it. Heights are in pixels of the picture, towards the viewer; the 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +22,7 @@ from ipcli.models.brdf.reflectance import Chart, Harmonics, chart_normals
 from ipcli.models.brdf.rim import features
 from ipcli.models.brdf.sheet import Explained, representatives, sheet
 from ipcli.models.brdf.solid import Pictured, Shape, enlarge, fit_harmonics, pictured, shrink, solid
+from ipcli.progress import Progress, silent
 
 UP = 2  # harmonic whose sign tells light from above
 
@@ -81,7 +81,7 @@ def reconstruct(
     mask: np.ndarray,
     library: Library,
     params: Inference,
-    tell: Callable[[float, str], None] = lambda share, what: None,
+    tell: Progress = silent,
 ) -> Reconstruction:
     """The surface in a linear picture (h, w, 3) cropped to its mask (h, w)."""
     picture = _Sizes(

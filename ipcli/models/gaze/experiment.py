@@ -17,7 +17,7 @@ from ipcli.models.gaze.localise import Path
 from ipcli.models.gaze.parameters import Localisation
 from ipcli.models.gaze.scene_map import NONE
 from ipcli.models.gaze.tracking import Track
-from ipcli.progress import Progress, silent
+from ipcli.progress import Progress, portion, silent
 
 PICTURES = 16  # frames kept to be shown
 WIDTH = 360  # pixels of those
@@ -70,9 +70,7 @@ def experiment(
     """
     rig = localise.rig_of(recording)
     album = KeptPictures(recording, rig)
-    path = localise.localise(
-        recording, p, seed, lambda share, what: tell(0.7 * share, what), album.look, known.scene if known else None
-    )
+    path = localise.localise(recording, p, seed, portion(tell, 0.0, 0.7), album.look, known.scene if known else None)
     if all(track.is_lost for track in path.tracks):
         raise NoSolution(
             f"no frame could be localised; the first: {path.tracks[0].reason}. 'gaze-sfm check' tells whether the "
@@ -82,7 +80,7 @@ def experiment(
     arrays = head_path(recording, path) | seen | rig_arrays(recording.cameras)
     regards = None
     if recording.gaze is not None and len(recording.gaze.times):
-        regards = attention.regards_of(path, recording, p.looking, lambda share, what: tell(0.7 + 0.29 * share, what))
+        regards = attention.regards_of(path, recording, p.looking, portion(tell, 0.7, 0.99))
         arrays |= gaze_arrays(recording.gaze) | looked_at(path, recording.gaze, regards, p)
     pixels, points = attention.gaze_of_frames(path, recording, regards)
     split = attention.subsequences(path, pixels, points, p.keyframes, np.radians(p.looking.sigma))

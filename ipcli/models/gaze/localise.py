@@ -15,7 +15,7 @@ from ipcli.models.gaze.adjustment import Offset
 from ipcli.models.gaze.parameters import Localisation
 from ipcli.models.gaze.scene_map import NONE, SceneMap
 from ipcli.models.gaze.tracking import Track, Tracker
-from ipcli.progress import Progress, silent
+from ipcli.progress import Progress, portion, silent
 from ipcli.rng import stream
 
 SAMPLED = 8  # frames whose descriptors the words of the album are learnt from
@@ -63,7 +63,7 @@ def localise(
     if known is not None:
         album = known_map.album_of(known, stream(seed, "gaze-sfm", "words"))
         return _tracked(recording, Tracker(rig, album, p, seed, known), tell, look)
-    path = _pass(recording, rig, p, seed, lambda share, what: tell(0.9 * share, what), look)
+    path = _pass(recording, rig, p, seed, portion(tell, 0.0, 0.9), look)
     if not p.global_ba or len(path.scene.frames) < 2:
         return path
     _adjust(path, p, tell)

@@ -28,6 +28,7 @@ from ipcli.models.animal.parameters import Inflation, Modelling, Volume
 from ipcli.models.animal.placing import placed
 from ipcli.models.animal.reposed import reposed, tells_shape
 from ipcli.params import Run
+from ipcli.progress import Progress, portion, silent
 from ipcli.stages.animal.output import side_files
 from ipcli.stages.animal.parameters import ModelAnimal
 from ipcli.stages.kit import outputs
@@ -36,7 +37,6 @@ from ipcli.stages.kit.artefact import Job, Outcome, make
 log = logging.getLogger(__name__)
 
 Arrays = dict[str, np.ndarray]
-Tell = Callable[[float, str], None]
 LEAST_OVERLAP = 0.6  # of a bent model with the images, below which it deserves a look
 CLIP = 8.0  # voxels beyond which fields are not kept
 
@@ -56,9 +56,7 @@ class Placing:
     other_pose: str
 
 
-def run(
-    source: Path, output: Path, params: ModelAnimal, run: Run, progress: Tell = lambda share, what: None
-) -> tuple[Path, Outcome]:
+def run(source: Path, output: Path, params: ModelAnimal, run: Run, progress: Progress = silent) -> tuple[Path, Outcome]:
     """Write X.h5, the model as X.glb (or .ply, .obj, .stl after the suffix of `output`) and pages beside it.
 
     Returns the last artefact and what became of it. Raises FormatError for the project and its masks, NoSolution when
@@ -75,16 +73,16 @@ def run(
     outputs.check_names(artefact, (*beside, outputs.run_record_path(artefact)), animal.files)
     job.standing()  # refuses a name that is taken before any step is run
     done = _make(Job(aspects, "animal-aspects", "model-animal", Lifting(params.modelling.inflation), animal.files),
-                 partial(aspects_artefact, animal, params.modelling, _part(progress, 0.0, 0.3)), run)  # fmt: skip
+                 partial(aspects_artefact, animal, params.modelling, portion(progress, 0.0, 0.3)), run)  # fmt: skip
     if params.stop_after == "aspects":
         return aspects, done
     placing = Placing(params.modelling.volume, params.modelling.other_pose)
     done = _make(Job(components, "animal-components", "model-animal", placing, (*animal.files, aspects)),
-                 partial(components_artefact, animal, aspects, params.modelling, _part(progress, 0.3, 0.7)),
+                 partial(components_artefact, animal, aspects, params.modelling, portion(progress, 0.3, 0.7)),
                  run)  # fmt: skip
     if params.stop_after == "components":
         return components, done
-    build = partial(model_artefact, animal, components, params.modelling, _part(progress, 0.7, 1.0))
+    build = partial(model_artefact, animal, components, params.modelling, portion(progress, 0.7, 1.0))
     return artefact, _make(job, build, run)
 
 
@@ -94,15 +92,11 @@ def _make(job: Job, build: Callable[[], Arrays], run: Run) -> Outcome:
     return make(job, build, run)
 
 
-def _part(tell: Tell, low: float, high: float) -> Tell:
-    return lambda share, what: tell(low + share * (high - low), what)
-
-
 def _tree(animal: Project) -> Arrays:
     return {"parts": np.array(animal.tree.names), "parents": np.array(animal.tree.parents, np.int16)}
 
 
-def aspects_artefact(animal: Project, params: Modelling, tell: Tell) -> Arrays:
+def aspects_artefact(animal: Project, params: Modelling, tell: Progress) -> Arrays:
     """The arrays of `animal-aspects`."""
     arrays = _tree(animal) | {"load": np.array(params.inflation.load)}
     lifted = lift_all(animal.images, animal.tree, params.inflation, tell)
@@ -135,7 +129,7 @@ def read_heights(path: Path, images: Mapping[str, PartImage]) -> dict[tuple[str,
     return heights
 
 
-def components_artefact(animal: Project, aspects: Path, params: Modelling, tell: Tell) -> Arrays:
+def components_artefact(animal: Project, aspects: Path, params: Modelling, tell: Progress) -> Arrays:
     """The arrays of `animal-components`."""
     images = [image for image in animal.images if image.is_reference]
     heights = read_heights(aspects, {image.name: image for image in animal.images})
@@ -150,7 +144,7 @@ def components_artefact(animal: Project, aspects: Path, params: Modelling, tell:
             '%s: pose = "other" gives shape only with names of views along two lines, left and top say', animal.name
         )
     elif others and params.other_pose == "bend":
-        fields, overlap = reposed(others, shots, grid, fields, animal.tree, heights, params, _part(tell, 0.4, 1.0))
+        fields, overlap = reposed(others, shots, grid, fields, animal.tree, heights, params, portion(tell, 0.4, 1.0))
         if overlap < LEAST_OVERLAP:
             log.warning(
                 "%s: the other pose, bent, covers only %.0f %% of the reference pose's parts; see whether --other-pose "
@@ -178,7 +172,7 @@ def _cameras(images: list[PartImage], cameras: list[Orthographic]) -> Arrays:
     }
 
 
-def model_artefact(animal: Project, components: Path, params: Modelling, tell: Tell) -> Arrays:
+def model_artefact(animal: Project, components: Path, params: Modelling, tell: Progress) -> Arrays:
     """The arrays of `animal-model`, its longest side as long as the project says."""
     images = [image for image in animal.images if image.is_reference]
     arrays = h5.read(components, "animal-components").arrays

@@ -16,7 +16,7 @@ from ipcli.io.materials import probes
 from ipcli.models.brdf import training
 from ipcli.models.brdf.reflectance import charts
 from ipcli.params import Run
-from ipcli.progress import Progress, silent
+from ipcli.progress import Progress, portion, silent
 from ipcli.stages.brdf.materials import Listed, brdf, is_metal, read
 from ipcli.stages.brdf.parameters import BrdfTrain
 from ipcli.stages.kit.artefact import Job, Outcome, make_resumable
@@ -52,7 +52,7 @@ def library(listed: Listed, params: BrdfTrain, run: Run, work: Checkpoint, progr
     """The arrays of the `brdf-library` artefact; the maps of each material are one item of the executor."""
     names = list(listed.materials)
     one = partial(maps_of, listed=listed, params=params, seed=run.seed, work=work)
-    made = map_items(one, names, run.executor, lambda share, what: progress(0.3 * share, what))
+    made = map_items(one, names, run.executor, portion(progress, 0.0, 0.3))
     metals = np.array([is_metal(entry) for entry in listed.materials.values()])
     seen = np.concatenate([made[name] for name in names])
     known = lights_of(listed, params, run.seed)
@@ -63,7 +63,7 @@ def library(listed: Listed, params: BrdfTrain, run: Run, work: Checkpoint, progr
         known,
         params.learning,
         run.seed,
-        lambda s, what: progress(0.3 + 0.7 * s, what),
+        portion(progress, 0.3, 1.0),
         lambda name, build: kept(work, name, build),
     )
 

@@ -16,7 +16,7 @@ from ipcli.models.saliency import image_model, validation, vertex_model
 from ipcli.models.saliency.channels import shrunk
 from ipcli.models.saliency.validation import Case, Row
 from ipcli.params import Run
-from ipcli.progress import Progress, silent
+from ipcli.progress import Progress, portion, silent
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
 from ipcli.stages.saliency import sets
@@ -56,9 +56,9 @@ def of_pictures(
     known: FixationSet, model: Path | None, params: SaliencyEvaluate, run: Run, progress: Progress
 ) -> dict[str, np.ndarray]:
     """The arrays of pictures."""
-    cases = sets.cases(known.pictures, run.executor, sets.shares(progress, 0.0, 0.4))
-    learnt = _learnt(cases, model, params, run, sets.shares(progress, 0.4, 0.7))
-    found = validation.rows(cases, learnt, params.validation, sets.shares(progress, 0.7, 1.0))
+    cases = sets.cases(known.pictures, run.executor, portion(progress, 0.0, 0.4))
+    learnt = _learnt(cases, model, params, run, portion(progress, 0.4, 0.7))
+    found = validation.rows(cases, learnt, params.validation, portion(progress, 0.7, 1.0))
     names, counts = [c.name for c in cases], np.array([len(c.fixations) for c in cases], np.int64)
     told = protocol(model, len(cases), params.validation.folds, "picture")
     arrays = table(found, counts, names, "pictures", told, overlap(model, names))
@@ -73,17 +73,17 @@ def of_surfaces(
     known: FixationSet, model: Path | None, params: SaliencyEvaluate, run: Run, progress: Progress
 ) -> dict[str, np.ndarray]:
     """The arrays of surfaces."""
-    cases = sets.surface_cases(known.surfaces, run.executor, sets.shares(progress, 0.0, 0.3))
+    cases = sets.surface_cases(known.surfaces, run.executor, portion(progress, 0.0, 0.3))
     names = [c.name for c in cases]
     if model is not None:
         predictor = predictor_of(model, "surfaces")
         learnt = {model.name: [vertex_model.predicted(predictor, c.features) for c in cases]} if predictor else {}
     elif len(cases) > 1:
-        tell = sets.shares(progress, 0.3, 0.9)
+        tell = portion(progress, 0.3, 0.9)
         learnt = vertex_model.cross_validated(cases, params.learning, params.validation, run.seed, tell)
     else:
         learnt = {}
-    found = vertex_model.worth(cases, learnt, sets.shares(progress, 0.9, 1.0))
+    found = vertex_model.worth(cases, learnt, portion(progress, 0.9, 1.0))
     told = protocol(model, len(cases), params.validation.folds, "surface")
     counts = np.array([int(c.looked_at.sum()) for c in cases], np.int64)
     arrays = table(found, counts, names, "surfaces", told, overlap(model, names))

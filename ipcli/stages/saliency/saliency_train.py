@@ -11,7 +11,7 @@ import numpy as np
 from ipcli.io.files import h5
 from ipcli.models.saliency import validation, vertex_model
 from ipcli.params import Run
-from ipcli.progress import Progress, silent
+from ipcli.progress import Progress, portion, silent
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
 from ipcli.stages.saliency import sets
@@ -30,7 +30,7 @@ def run(paths: Sequence[Path], output: Path, params: SaliencyTrain, run: Run, pr
 def learnt(places: tuple[Path, ...], params: SaliencyTrain, run: Run, progress: Progress) -> dict[str, np.ndarray]:
     """The arrays of the `saliency-model` artefact."""
     known = sets.read(places)
-    tell = sets.shares(progress, 0.0, 0.8)
+    tell = portion(progress, 0.0, 0.8)
     if known.surfaces:
         surfaces = sets.surface_cases(known.surfaces, run.executor, tell)
         predictor, subject = vertex_model.learnt(surfaces, params.learning, run.seed), "surfaces"

@@ -61,12 +61,3 @@ def surface_cases(
 def _surface_case(known: Mapping[str, FixatedSurface], name: str) -> SurfaceCase:
     surface = known[name]
     return SurfaceCase(name, features(surface.vertices, surface.normals), surface.looked_at, surface.attention)
-
-
-def shares(progress: Progress, start: float, end: float) -> Progress:
-    """Progress of a part of the work as progress of all of it."""
-
-    def tell(fraction: float, text: str = "") -> None:
-        progress(start + (end - start) * fraction, text)
-
-    return tell

@@ -24,9 +24,3 @@ def test_cases_have_their_fixations_on_the_grid(tmp_path):
     (one,) = sets.cases(known.pictures, "serial")
     assert one.shape == (150, 200)
     assert one.fixations.max(axis=0).tolist() < [200, 150]
-
-
-def test_progress_of_a_part_is_that_of_the_whole():
-    told = []
-    sets.shares(lambda fraction, text: told.append(fraction), 0.4, 0.8)(0.5, "")
-    assert told == pytest.approx([0.6])
