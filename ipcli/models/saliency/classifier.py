@@ -7,11 +7,11 @@ default. Whatever the form, what is learnt is a sum of kernels on some points, o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipcli.models.saliency import features
+from ipcli.models.saliency import features, metrics
 from ipcli.models.saliency.scene_parameters import Classifying
 
 LARGE = 200_000  # points from which on the margin is found by stochastic gradients
@@ -36,7 +36,7 @@ class Learnt:
 
     def margin(self, table: np.ndarray) -> np.ndarray:
         """f (n,) of rows of a table."""
-        chosen = self._with_domain(table)[:, self.columns]
+        chosen = features.with_domain(table, self.domain)[:, self.columns]
         scaled = (chosen - self.centre) / self.scale
         if self.gamma == 0:
             return scaled @ self.weights - self.offset
@@ -45,11 +45,6 @@ class Learnt:
     def probability(self, table: np.ndarray) -> np.ndarray:
         """Saliency (n,) in [0, 1], for as many attended points as others."""
         return logistic(self.slope[0] * self.margin(table) + self.slope[1])
-
-    def _with_domain(self, table: np.ndarray) -> np.ndarray:
-        filled = table.astype(np.float64)
-        filled[:, features.DOMAIN] = features.inside(table[:, :3], self.domain)
-        return filled
 
 
 def logistic(values: np.ndarray) -> np.ndarray:
@@ -81,17 +76,13 @@ def learn(
     The probability is that of the training points until `calibrated` by others.
     """
     domain = features.task_domain(table[labels > 0][:, :3].astype(np.float64), margin)
-    filled = table.astype(np.float64)
-    filled[:, features.DOMAIN] = features.inside(table[:, :3], domain)
     columns = features.columns_of(tuple(groups))
-    chosen = filled[:, columns]
+    chosen = features.with_domain(table, domain)[:, columns]
     centre, scale = chosen.mean(axis=0), chosen.std(axis=0)
     scale = np.where(scale > 1e-9 * np.maximum(np.abs(centre), 1e-9), scale, 1.0)
     scaled = (chosen - centre) / scale
     supports, weights, gamma, offset = _solved(scaled, labels, p, rng)
-    found = Learnt(
-        columns, centre, scale, supports, weights, gamma, offset, np.array([1.0, 0.0]), 0.0, domain
-    )  # fmt: skip
+    found = Learnt(columns, centre, scale, supports, weights, gamma, offset, np.array([1.0, 0.0]), 0.0, domain)
     return calibrated(found, found.margin(table), labels)
 
 
@@ -148,8 +139,6 @@ def calibrated(found: Learnt, margins: np.ndarray, labels: np.ndarray) -> Learnt
 
     Both classes weigh the same.
     """
-    from dataclasses import replace
-
     weight = np.where(labels > 0, 0.5 / max((labels > 0).sum(), 1), 0.5 / max((labels < 0).sum(), 1))
     target, slope = (labels > 0).astype(float), np.array([1.0, 0.0])
     design = np.stack([margins, np.ones_like(margins)], axis=1)
@@ -212,7 +201,7 @@ def cross_validated(
 ) -> tuple[np.ndarray, dict[int, Learnt]]:
     """Margins (n,) of rows by functions that have not seen their fold, and those functions; NaN where none can be
     learnt since all attended points, or all others, are in that fold.
-    """  # fmt: skip
+    """
     margins, found = np.full(len(table), np.nan), {}
     for fold in np.unique(folds):
         others = folds != fold
@@ -225,12 +214,6 @@ def cross_validated(
 
 def ranking(scores: np.ndarray, labels: np.ndarray) -> float:
     """Area under the ROC curve: how often an attended point scores above another; ties count half."""
-    from scipy.stats import rankdata
-
     known = np.isfinite(scores)
-    scores, labels = scores[known], labels[known]
-    positive, negative = int((labels > 0).sum()), int((labels < 0).sum())
-    if not positive or not negative:
-        return float("nan")
-    ranks = rankdata(scores)
-    return float((ranks[labels > 0].sum() - positive * (positive + 1) / 2) / (positive * negative))
+    positive, negative = (scores[known & (labels * sign > 0)] for sign in (1, -1))
+    return float(metrics.auc_each(positive, negative).mean()) if len(positive) and len(negative) else float("nan")

@@ -9,6 +9,7 @@ import numpy as np
 from ipcli.measurements.recording import Camera
 from ipcli.measurements.subsequences import Subsequence, seen_at
 from ipcli.models.saliency import membranes
+from ipcli.models.saliency.channels import gaussian_curvature
 from ipcli.models.saliency.scene_parameters import Membranes
 from ipcli.models.saliency.surface import PlateSurface
 
@@ -146,11 +147,7 @@ def channels(image: np.ndarray) -> np.ndarray:
         np.stack([gaussian_filter(image[..., k] / 255.0, width) for k in range(3)], axis=-1)
         for width in (SMOOTHING, AROUND)
     )
-    light = RELIEF * rgb.mean(axis=-1)
-    ly, lx = np.gradient(light)
-    lyy, lyx = np.gradient(ly)
-    lxx = np.gradient(lx, axis=1)
-    gaussian = (lxx * lyy - lyx**2) / (1 + lx**2 + ly**2) ** 2
+    gaussian = gaussian_curvature(RELIEF * rgb.mean(axis=-1))
     spread = np.linalg.inv(np.cov(rgb.reshape(-1, 3).T) + 1e-4 * np.eye(3))
     off = rgb - rgb.reshape(-1, 3).mean(axis=0)
     unlike = np.sqrt(np.einsum("hwi,ij,hwj->hw", off, spread, off))
@@ -175,6 +172,13 @@ def columns_of(groups: tuple[str, ...]) -> np.ndarray:
 def task_domain(attended: np.ndarray, margin: float) -> np.ndarray:
     """R_tau of (F3) (2, 3): least and greatest coordinates of attended points (n, 3), a few strays apart."""
     return np.stack([np.percentile(attended, 2, axis=0) - margin, np.percentile(attended, 98, axis=0) + margin])
+
+
+def with_domain(table: np.ndarray, domain: np.ndarray) -> np.ndarray:
+    """Rows (n, COUNT) float64 with what is only known once there is a task domain (2, 3): whether they lie in it."""
+    filled = table.astype(np.float64)
+    filled[:, DOMAIN] = inside(table[:, :3], domain)
+    return filled
 
 
 def inside(points: np.ndarray, domain: np.ndarray) -> np.ndarray:

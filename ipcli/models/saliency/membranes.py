@@ -140,9 +140,7 @@ def energies(sigma: np.ndarray, z: np.ndarray, radius: np.ndarray, window: float
     """The energy (n,) of membranes with these sigma, z and radius (n,) over a window (seconds), as `p.score` says."""
     if p.score == "printed":
         return _summed(sigma, z, radius, window, p)
-    table = modes()
-    weight = table.area * table.radial**2
-    knots = np.linspace(radius.min(), radius.max(), KNOTS if np.ptp(radius) > 0 else 1)
+    weight, knots = _weights(), _knots(radius)
     factor = np.empty((len(knots), ORDERS))
     for row, knot in zip(factor, knots, strict=True):
         w = angular_speed(float(knot), p)
@@ -154,9 +152,7 @@ def energies_in_time(
     sigma: np.ndarray, z: np.ndarray, radius: np.ndarray, times: np.ndarray, p: Membranes
 ) -> np.ndarray:
     """Square of the displacement summed over each membrane (n, times), at single times."""
-    table = modes()
-    weight = table.area * table.radial**2
-    knots = np.linspace(radius.min(), radius.max(), KNOTS if np.ptp(radius) > 0 else 1)
+    weight, knots = _weights(), _knots(radius)
     swing = np.stack([oscillation(angular_speed(float(knot), p), times, p.fading) ** 2 for knot in knots])
     factor = np.einsum("mn,kmnt->kmt", weight, swing)
     power, found = _power(z), np.zeros((len(z), len(times)))
@@ -166,6 +162,16 @@ def energies_in_time(
         mine = np.flatnonzero(weight_here)
         found[mine] += weight_here[mine, None] * (power[mine] @ factor[knot])
     return (strength(sigma, z) ** 2 * radius**4)[:, None] * found
+
+
+def _weights() -> np.ndarray:
+    """What the square of each mode's swing (orders, roots) counts for."""
+    table = modes()
+    return table.area * table.radial**2
+
+
+def _knots(radius: np.ndarray) -> np.ndarray:
+    return np.linspace(radius.min(), radius.max(), KNOTS if np.ptp(radius) > 0 else 1)
 
 
 def _power(z: np.ndarray) -> np.ndarray:

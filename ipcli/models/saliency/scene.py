@@ -7,8 +7,7 @@ are kept, and of what is predicted a cloud whose size depends on the scene, so t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -79,9 +78,13 @@ def saliency(
     start = sequence.load(0)
     origin = np.linalg.inv(start.cam_from_world)[:3, 3]
 
-    @lru_cache(maxsize=KEPT)
+    kept: dict[int, Prepared | str] = {}  # not the latest: the second pass begins with the first ones again
+
     def prepare(number: int) -> Prepared | str:
-        return _prepared(sequence, number, origin, p)
+        found = kept[number] if number in kept else _prepared(sequence, number, origin, p)
+        if number < KEPT:
+            kept[number] = found
+        return found
 
     rows = _sampled(sequence, prepare, p, seed, progress)
     notes = [*sequence.notes]
@@ -171,8 +174,6 @@ def _judge(
 
 
 def _like(function: Learnt, whole: Learnt) -> Learnt:
-    from dataclasses import replace
-
     return replace(function, slope=whole.slope, threshold=whole.threshold)
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from ipcli.models.saliency.learning import Predictor
 from ipcli.models.saliency.parameters import FixationLearning, Validation
 from ipcli.progress import Progress, silent
 
+AnyCase = TypeVar("AnyCase")
 MEASURES = ("AUC", "sAUC", "NSS", "information gain", "CC", "SIM", "KL")
 DENSITIES = ("model", "baseline", "ceiling")  # roles whose maps are probabilities: the others gain no information
 FORMS = ("logistic + boosting", "logistic", "logistic + boosting without place")
@@ -63,29 +66,57 @@ def elsewhere(cases: Sequence[Case], index: int) -> np.ndarray:
     return metrics.others([rescaled_to(c.fixations, c.shape, cases[index].shape) for c in cases], index)
 
 
-def judged(name: str, role: str, maps: Sequence[np.ndarray], cases: Sequence[Case], params: Validation) -> Row:
+@dataclass(frozen=True, eq=False)
+class Yardstick:
+    """What maps of one case are measured against."""
+
+    points: np.ndarray  # (n, 2) its fixations
+    elsewhere: np.ndarray  # (m, 2) those on all other pictures, at its shape
+    truth: np.ndarray  # (a, b) its fixations blurred
+    shape: tuple[int, int]
+
+    @cached_property
+    def prior(self) -> np.ndarray:
+        """Density (a, b) of the fixations elsewhere, a hundredth of it uniform: the best centre prior."""
+        density = metrics.fixation_map(self.elsewhere, self.shape, WIDE * self.shape[1])
+        return 0.99 * density + 0.01 / density.size
+
+
+def yardsticks(cases: Sequence[Case], params: Validation) -> list[Yardstick]:
+    """That of each case."""
+    return [
+        Yardstick(
+            one.fixations,
+            elsewhere(cases, k),
+            metrics.fixation_map(one.fixations, one.shape, params.blur * one.shape[1]),
+            one.shape,
+        )
+        for k, one in enumerate(cases)
+    ]
+
+
+def judged(name: str, role: str, maps: Sequence[np.ndarray], against: Sequence[Yardstick]) -> Row:
     """The measures of a predictor's maps of all cases."""
-    each = [_measures(role, saliency, cases, k, params) for k, saliency in enumerate(maps)]
+    each = [_measures(role, saliency, stick) for saliency, stick in zip(maps, against, strict=True)]
     return Row(name, role, tuple(maps), np.array(each))
 
 
-def _measures(role: str, saliency: np.ndarray, cases: Sequence[Case], index: int, params: Validation) -> list[float]:
-    points, others = cases[index].fixations, elsewhere(cases, index)
+def _measures(role: str, saliency: np.ndarray, against: Yardstick) -> list[float]:
+    points, others = against.points, against.elsewhere
     if not len(points):
         return [float("nan")] * len(MEASURES)
-    truth = metrics.fixation_map(points, cases[index].shape, params.blur * cases[index].shape[1])
     gain = float("nan")
     if role in DENSITIES and len(others):
-        gain = float(metrics.information_gain(saliency, points, prior(cases, index)).mean())
+        gain = float(metrics.information_gain(saliency, points, against.prior).mean())
     shuffled = float(metrics.shuffled_auc(saliency, points, others).mean()) if len(others) else float("nan")
     return [
         float(metrics.auc(saliency, points).mean()),
         shuffled,
         float(metrics.nss(saliency, points).mean()),
         gain,
-        metrics.correlation(saliency, truth),
-        metrics.similarity(saliency, truth),
-        metrics.divergence(saliency, truth),
+        metrics.correlation(saliency, against.truth),
+        metrics.similarity(saliency, against.truth),
+        metrics.divergence(saliency, against.truth),
     ]
 
 
@@ -99,13 +130,6 @@ def totals(each: np.ndarray, counts: np.ndarray) -> np.ndarray:
     total = weights.sum(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(total > 0, (np.where(known, each, 0) * weights).sum(axis=1) / total, np.nan)
-
-
-def prior(cases: Sequence[Case], index: int) -> np.ndarray:
-    """Density (a, b) of the fixations on all other pictures, a hundredth of it uniform: the best centre prior."""
-    shape = cases[index].shape
-    density = metrics.fixation_map(elsewhere(cases, index), shape, WIDE * shape[1])
-    return 0.99 * density + 0.01 / density.size
 
 
 def ceiling(one: Case, around: np.ndarray, params: Validation) -> tuple[Case, np.ndarray]:
@@ -130,18 +154,35 @@ def cross_validated(
     """Maps of every case by predictors that were learnt from the other folds of pictures alone: that of all features,
     its linear half, and one without the channels of place.
     """
-    fold = folds_of(len(cases), min(params.folds, len(cases)), seed)
-    maps: dict[str, list[np.ndarray]] = {name: [np.zeros((1, 1))] * len(cases) for name in FORMS}
-    for k in range(int(fold.max()) + 1):
-        ours = [c for c, f in zip(cases, fold, strict=True) if f != k]
+
+    def forms(ours: Sequence[Case]) -> dict[str, Predictor]:
         whole = learnt_from(ours, learning, seed)
-        forms = {FORMS[0]: whole, FORMS[1]: replace(whole, boosting=None)}
-        forms[FORMS[2]] = learnt_from(ours, learning, seed, without=image_model.PLACE)
-        for name, predictor in forms.items():
+        elsewhere = learnt_from(ours, learning, seed, without=image_model.PLACE)
+        return dict(zip(FORMS, (whole, replace(whole, boosting=None), elsewhere), strict=True))
+
+    return over_folds(
+        cases, params.folds, seed, forms, lambda one, case: image_model.predicted(one, case.channels), tell
+    )
+
+
+def over_folds(
+    cases: Sequence[AnyCase],
+    folds: int,
+    seed: int,
+    forms: Callable[[Sequence[AnyCase]], Mapping[str, Predictor]],
+    predict: Callable[[Predictor, AnyCase], np.ndarray],
+    tell: Progress = silent,
+) -> dict[str, list[np.ndarray]]:
+    """Maps of every case, by name, of the predictors that `forms` learns from the other folds of cases alone."""
+    fold = folds_of(len(cases), min(folds, len(cases)), seed)
+    maps: dict[str, dict[int, np.ndarray]] = {}
+    for k in range(int(fold.max()) + 1):
+        learnt = forms([one for one, f in zip(cases, fold, strict=True) if f != k])
+        for name, predictor in learnt.items():
             for index in map(int, np.flatnonzero(fold == k)):
-                maps[name][index] = image_model.predicted(predictor, cases[index].channels)
+                maps.setdefault(name, {})[index] = predict(predictor, cases[index])
         tell((k + 1) / (fold.max() + 1), "cross-validation")
-    return maps
+    return {name: [found[index] for index in range(len(cases))] for name, found in maps.items()}
 
 
 def learnt_from(cases: Sequence[Case], learning: FixationLearning, seed: int, without: Sequence[str] = ()) -> Predictor:
@@ -156,25 +197,19 @@ def rows(
     """Everything there is to compare: the maps of learnt models by name, the untrained model, baselines, the ceiling,
     and each single channel.
     """
-    made: dict[str, tuple[str, Callable[[int], np.ndarray]]] = {
-        name: ("model", maps.__getitem__) for name, maps in learnt.items()
-    }
-    made[image_model.UNTRAINED] = ("model", lambda k: image_model.untrained(cases[k].channels))
-    made["centre prior"] = ("baseline", lambda k: centre_prior(cases[k].shape))
+    against = yardsticks(cases, params)
+    made: dict[str, tuple[str, Sequence[np.ndarray]]] = {name: ("model", maps) for name, maps in learnt.items()}
+    made[image_model.UNTRAINED] = ("model", [image_model.untrained(c.channels) for c in cases])
+    made["centre prior"] = ("baseline", [centre_prior(c.shape) for c in cases])
     if len(cases) > 1:
-        made["fixations on other pictures"] = ("baseline", lambda k: prior(cases, k))
-    found = []
-    for name, (role, of) in made.items():
-        found.append(judged(name, role, [of(k) for k in range(len(cases))], cases, params))
+        made["fixations on other pictures"] = ("baseline", [stick.prior for stick in against])
+    found = [judged(name, role, maps, against) for name, (role, maps) in made.items()]
     if len(cases) > 1 and all(len(np.unique(c.observers)) > 1 for c in cases):
-        found.append(_ceiling_row(cases, params))
+        halves = [ceiling(c, stick.prior, params) for c, stick in zip(cases, against, strict=True)]
+        kept = yardsticks([one for one, _ in halves], params)
+        found.append(judged("half of the observers", "ceiling", [density for _, density in halves], kept))
     names = tuple(cases[0].channels)
     for k, name in enumerate(names):
-        found.append(judged(name, "feature", [c.channels[name] for c in cases], cases, params))
+        found.append(judged(name, "feature", [c.channels[name] for c in cases], against))
         tell((k + 1) / len(names), name)
     return found
-
-
-def _ceiling_row(cases: Sequence[Case], params: Validation) -> Row:
-    halves = [ceiling(c, prior(cases, k), params) for k, c in enumerate(cases)]
-    return judged("half of the observers", "ceiling", [m for _, m in halves], [c for c, _ in halves], params)

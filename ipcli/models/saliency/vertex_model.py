@@ -11,7 +11,7 @@ from ipcli.models.saliency import metrics
 from ipcli.models.saliency.image_model import relative
 from ipcli.models.saliency.learning import Predictor, learn
 from ipcli.models.saliency.parameters import FixationLearning, Validation
-from ipcli.models.saliency.validation import Row, folds_of
+from ipcli.models.saliency.validation import Row, over_folds
 from ipcli.models.saliency.vertex_features import SPACING, features, ranks
 from ipcli.progress import Progress, silent
 
@@ -89,17 +89,13 @@ def cross_validated(
     """Maps of every surface by predictors learnt from the other folds of surfaces alone; as many folds as surfaces
     leave one out.
     """
-    fold = folds_of(len(cases), min(params.folds, len(cases)), seed)
-    maps: dict[str, list[np.ndarray]] = {name: [np.zeros(1)] * len(cases) for name in FORMS}
-    for k in range(int(fold.max()) + 1):
-        ours = [c for c, f in zip(cases, fold, strict=True) if f != k]
+
+    def forms(ours: Sequence[SurfaceCase]) -> dict[str, Predictor]:
         whole = learnt(ours, learning, seed)
-        forms = (whole, replace(whole, boosting=None), learnt(ours, learning, seed, place=False))
-        for name, predictor in zip(FORMS, forms, strict=True):
-            for index in np.flatnonzero(fold == k):
-                maps[name][int(index)] = predicted(predictor, cases[int(index)].features)
-        tell((k + 1) / (fold.max() + 1), "cross-validation")
-    return maps
+        bending = learnt(ours, learning, seed, place=False)
+        return dict(zip(FORMS, (whole, replace(whole, boosting=None), bending), strict=True))
+
+    return over_folds(cases, params.folds, seed, forms, lambda one, case: predicted(one, case.features), tell)
 
 
 def judged(name: str, role: str, maps: Sequence[np.ndarray], cases: Sequence[SurfaceCase]) -> Row:

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ipcli.errors import FormatError
+from ipcli.io.files import atomic, h5, ply
+from ipcli.io.saliency.posed import open_posed, read_cloud
+from ipcli.measurements.subsequences import over_cloud
+from ipcli.models.saliency import scene
+from ipcli.models.saliency.classifier import Learnt
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
+from ipcli.report.kit.pictures import palette
+from ipcli.report.saliency.membranes import turnable
+from ipcli.report.saliency.saliency import SALIENCY
+from ipcli.stages.kit.artefact import Job, Outcome, make
+from ipcli.stages.kit.pages import page
 from ipcli.stages.saliency.parameters import Saliency as Params
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from ipcli.models.saliency.classifier import Learnt
-    from ipcli.stages.kit.artefact import Outcome
 
 KIND = "saliency"
 TURNED = 40_000  # points of the cloud that is turned
@@ -28,12 +33,6 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
 
     NoSolution when no part of the recording has a surface.
     """
-    from ipcli.io.saliency.posed import open_posed, read_cloud
-    from ipcli.measurements.subsequences import over_cloud
-    from ipcli.models.saliency import scene
-    from ipcli.stages.kit.artefact import Job, make
-    from ipcli.stages.kit.pages import page
-
     sequence = open_posed(source, params.format)
     if params.cloud:
         sequence = over_cloud(sequence, read_cloud(Path(params.cloud)), (Path(params.cloud),))
@@ -50,9 +49,6 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
 
 
 def _model(path: Path) -> Learnt:
-    from ipcli.io.files import h5
-    from ipcli.models.saliency import scene
-
     found = scene.model_of(h5.read(path, KIND, only=lambda name: name.startswith("model/")).arrays)
     if found is None:
         raise FormatError(path, "nothing was learnt there", fix="Give a result of saliency on a recording with gaze")
@@ -61,8 +57,6 @@ def _model(path: Path) -> Learnt:
 
 def write_ply(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
     """Points coloured by their saliency, which is a property too, as are energy, curvature and who looked."""
-    from ipcli.io.files import ply
-
     names = ("saliency", "energy", "attended", "curvature")
     ply.write(
         path,
@@ -75,9 +69,6 @@ def write_ply(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, 
 
 def write_membranes(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
     """The membranes of the strongest proto-objects, to be turned and run in time."""
-    from ipcli.io.files import atomic
-    from ipcli.report.saliency.membranes import turnable
-
     atomic.write_text(path, turnable(a))
 
 
@@ -85,8 +76,6 @@ def write_turnable(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[
     """The cloud coloured by saliency, to be turned, with proto-objects as green spheres of dots."""
     import trimesh
     from trimesh.viewer import scene_to_html
-
-    from ipcli.io.files import atomic
 
     chosen = slice(None, None, max(1, len(a["points/places"]) // TURNED))
     parts = [(a["points/places"][chosen], _coloured(a["points/saliency"][chosen]))]
@@ -100,16 +89,12 @@ def write_turnable(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[
 
 
 def _coloured(saliency: np.ndarray) -> np.ndarray:
-    from ipcli.report.kit.pictures import LEVELS, RESERVED, Scale, palette
-
-    scale = Scale(0.0, 1.0, "magma")
-    return palette(scale.palette)[(scale.position(saliency) * (LEVELS - 1)).astype(int) + RESERVED]
+    """RGB (n, 3) uint8 of values (n,), as the page has them."""
+    return palette(SALIENCY.palette)[SALIENCY.indices(saliency[None])[0]]
 
 
 def write_objects(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
     """A line a proto-object: where, when, how strong, of which track, and whether somebody looked."""
-    from ipcli.io.files import atomic
-
     lines = ["x [m],y [m],z [m],radius [m],from [s],to [s],subsequence,track,energy,saliency,looked at"]
     for n, place in enumerate(a["objects/places"]):
         looked = {2: "yes", 1: "at another time", 0: "no"}.get(int(a["objects/hit"][n]), "")
@@ -122,8 +107,6 @@ def write_objects(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[s
 
 def summary(output: Path) -> dict[str, object]:
     """The figures that a person wants to see at once."""
-    from ipcli.io.files import h5
-
     wanted = ("objects/track", "hits", "folds/rates", "subsequences/regards")
     a = h5.read(output, KIND, only=lambda name: name in wanted).arrays
     facts: dict[str, object] = {"output": str(output), "subsequences": len(a["subsequences/regards"])}
