@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 import tempfile
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.kit.arguments import add_threads, parser_of
-from benchmarks.kit.measure import attempted, forget_peak, installed, peak_memory
+from benchmarks.kit.measure import Clock, attempted, forget_peak, installed, peak_memory
 from benchmarks.kit.publish import publish
 from ipcli.measurements.recording import HeadRecording
 
@@ -43,9 +42,9 @@ def ours(recording: str, frames: int) -> dict[str, Any]:
     found = opened(recording, frames)
     localise(opened(recording, 3), Localisation(), 0)  # kernels compiled
     start, clock = forget_peak(), Clock()
-    path = localise(found, Localisation(), 0)
-    spent = clock.spent() | {"MB": peak_memory() - start}
-    return _row(found, lie.se3_inverse(np.stack([track.pose for track in path.tracks])), spent)
+    with clock:
+        path = localise(found, Localisation(), 0)
+    return _row(found, lie.se3_inverse(np.stack([track.pose for track in path.tracks])), clock, peak_memory() - start)
 
 
 def pycolmap_rig(recording: str, frames: int) -> dict[str, Any]:
@@ -57,15 +56,16 @@ def pycolmap_rig(recording: str, frames: int) -> dict[str, Any]:
         folder = Path(place)
         _pictures(found, folder)
         start, clock = forget_peak(), Clock()
-        models = _mapped(pycolmap, found, folder)
-        spent = clock.spent() | {"MB": peak_memory() - start}
+        with clock:
+            models = _mapped(pycolmap, found, folder)
+        peak = peak_memory() - start
         poses = np.full((len(found.names), 4, 4), np.nan)
         for image in max(models.values(), key=lambda model: model.num_reg_images()).images.values():
             if image.name.startswith(SIDES[0]) and image.has_pose:
                 pose = np.eye(4)
                 pose[:3] = image.cam_from_world().matrix()
                 poses[int(Path(image.name).stem)] = np.linalg.inv(pose)
-    return _row(found, poses, spent)
+    return _row(found, poses, clock, peak)
 
 
 def _mapped(pycolmap: Any, found: HeadRecording, folder: Path) -> dict[int, Any]:
@@ -125,18 +125,7 @@ def _threads() -> int:
     return int(os.environ.get("OMP_NUM_THREADS", "1"))
 
 
-class Clock:
-    """Seconds of the wall and of the processor since it was made."""
-
-    def __init__(self) -> None:
-        self.wall, self.processor = time.perf_counter(), time.process_time()
-
-    def spent(self) -> dict[str, float]:
-        """Both, so far."""
-        return {"seconds": time.perf_counter() - self.wall, "CPU s": time.process_time() - self.processor}
-
-
-def _row(found: HeadRecording, poses: np.ndarray, spent: dict[str, float]) -> dict[str, Any]:
+def _row(found: HeadRecording, poses: np.ndarray, clock: Clock, peak: float) -> dict[str, Any]:
     from ipcli.models.gaze.evaluation import path_errors
 
     assert found.truth is not None
@@ -147,8 +136,10 @@ def _row(found: HeadRecording, poses: np.ndarray, spent: dict[str, float]) -> di
         "error [m]": errors.rigid.rmse,
         "with scale [m]": errors.similar.rmse,
         "scale": errors.similar.scale,
-        **spent,
-        "CPU s a frame": spent["CPU s"] / len(poses),
+        "seconds": clock.last,
+        "CPU s": clock.processor,
+        "MB": peak,
+        "CPU s a frame": clock.processor / len(poses),
     }
 
 

@@ -7,7 +7,6 @@ python -m benchmarks.saliency.speed --quick                 a generated walk of 
 from __future__ import annotations
 
 import tempfile
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.kit.arguments import add_threads, parser_of
-from benchmarks.kit.measure import attempted, exponent, forget_peak, peak_memory
+from benchmarks.kit.measure import Clock, attempted, exponent, forget_peak, peak_memory
 from benchmarks.kit.publish import publish
 
 NODES, STEPS, WINDOW = 12_000, 30, 1.0
@@ -59,11 +58,11 @@ def picture(width: int, height: int) -> dict[str, Any]:
 
 def _least(work: Callable[[], object], runs: int = RUNS) -> tuple[float, float]:
     """The least seconds of some runs, and the least CPU seconds: what others do on the machine does not count there."""
-    rows = []
+    clock, rows = Clock(), []
     for _ in range(runs):
-        clock, spent = time.perf_counter(), time.process_time()
-        work()
-        rows.append((time.perf_counter() - clock, time.process_time() - spent))
+        with clock:
+            work()
+        rows.append((clock.last, clock.processor))
     return min(row[0] for row in rows), min(row[1] for row in rows)
 
 
@@ -92,9 +91,10 @@ def recording(folder: str, frames: int) -> dict[str, Any]:
 
 def _step(row: dict[str, Any], name: str, work: Callable[[], object]) -> None:
     """Seconds, CPU seconds and the peak of memory of a step."""
-    start, clock, spent = forget_peak(), time.perf_counter(), time.process_time()
-    work()
-    row[f"{name} [s]"], row[f"{name} CPU [s]"] = time.perf_counter() - clock, time.process_time() - spent
+    start, clock = forget_peak(), Clock()
+    with clock:
+        work()
+    row[f"{name} [s]"], row[f"{name} CPU [s]"] = clock.last, clock.processor
     row[f"{name} [MB]"] = peak_memory() - start
 
 

@@ -11,7 +11,21 @@ from ipcli.params import Run
 from ipcli.stages.gaze.parameters import Check, GazeSfm
 
 
-@click.command("gaze-sfm", cls=options.first_word(check=lambda: _check()))
+@click.command("check")
+@click.argument("recording", type=options.PATH)
+@options.parameters(Check)
+@options.reading
+def check(recording: Path, params: Check, run: Run) -> None:
+    """Test whether calibration, pictures and gaze of RECORDING go together, before any long work."""
+    from ipcli.stages.gaze import check as stage
+
+    facts, warnings = stage.run(recording, params)
+    options.conclude(facts | ({"warnings": warnings} if run.json else {}), run)
+    if not run.json:
+        click.echo("\n".join(f"Warning: {warning}" for warning in warnings) or "no warning")
+
+
+@click.command("gaze-sfm", cls=options.first_word(check=lambda: check))
 @click.argument("recording", type=options.PATH)
 @options.output("Experiment to write, such as run.h5.")
 @options.parameters(GazeSfm)
@@ -32,21 +46,3 @@ def main(recording: Path, output: Path, params: GazeSfm, run: Run) -> None:
         options.conclude(output, run)
         return
     options.conclude(gaze_sfm.summary(output), run, with_figures=True)
-
-
-@click.command("check")
-@click.argument("recording", type=options.PATH)
-@options.parameters(Check)
-@options.reading
-def check(recording: Path, params: Check, run: Run) -> None:
-    """Test whether calibration, pictures and gaze of RECORDING go together, before any long work."""
-    from ipcli.stages.gaze import check as stage
-
-    facts, warnings = stage.run(recording, params)
-    options.conclude(facts | ({"warnings": warnings} if run.json else {}), run)
-    if not run.json:
-        click.echo("\n".join(f"Warning: {warning}" for warning in warnings) or "no warning")
-
-
-def _check() -> click.Command:
-    return check

@@ -13,7 +13,6 @@ import sys
 import threading
 from collections.abc import Callable
 from functools import partial
-from importlib import import_module
 from typing import NamedTuple
 
 import click
@@ -77,9 +76,9 @@ COMMANDS = {name: command for section in SECTIONS.values() for name, command in 
 
 def load(name: str) -> click.Command:
     """The click command of that name."""
-    command = import_module(f"ipcli.cli.{name.replace('-', '_')}").main
-    command.epilog = command.epilog or getattr(command.callback, "epilog", None)
-    return command
+    from ipcli.cli import options  # which the command loads as well, but the list of commands does not need
+
+    return options.command(name)()
 
 
 class LazyGroup(click.Group):

@@ -23,9 +23,9 @@ def main(clips: tuple[Path, ...], output: Path, params: MocapEvaluate, run: Run)
     By default the people who are recognised are not those who are learnt from: that is what figures for new recordings
     must be from. Beside the output comes a page to open (.html).
     """
+    from ipcli.stages.kit.summary import of_result
     from ipcli.stages.mocap import mocap_evaluate
 
     with options.progress("mocap-evaluate", run) as tell:
         mocap_evaluate.run(clips, output, params, run, tell)
-    figures = mocap_evaluate.figures(output) if output.exists() else {}
-    options.conclude({"output": output} | figures, run, with_figures=True)
+    options.conclude(of_result(mocap_evaluate.figures)(output), run, with_figures=True)

@@ -23,9 +23,9 @@ def main(clips: tuple[Path, ...], output: Path, params: MocapTrain, run: Run) ->
     of one skeleton. Beside the output comes a report to open (.html). A run that was killed goes on where it was;
     --executor processes:2 uses two cores.
     """
+    from ipcli.stages.kit.summary import of_result
     from ipcli.stages.mocap import mocap_train
 
     with options.progress("mocap-train", run) as tell:
         mocap_train.run(clips, output, params, run, tell)
-    figures = mocap_train.figures(output) if output.exists() else {}
-    options.conclude({"output": output} | figures, run, with_figures=True)
+    options.conclude(of_result(mocap_train.figures)(output), run, with_figures=True)

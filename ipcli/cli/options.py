@@ -190,7 +190,13 @@ def first_word(**words: Callable[[], click.Command]) -> type[click.Command]:
 
 def command(name: str) -> Callable[[], click.Command]:
     """What loads the command of that name when it is asked for."""
-    return lambda: import_module(f"ipcli.cli.{name.replace('-', '_')}").main
+
+    def load() -> click.Command:
+        found = import_module(f"ipcli.cli.{name.replace('-', '_')}").main
+        found.epilog = found.epilog or getattr(found.callback, "epilog", None)
+        return found
+
+    return load
 
 
 @contextmanager

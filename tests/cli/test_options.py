@@ -45,6 +45,7 @@ def test_a_first_word_may_name_another_command(capsys):
 
 def test_the_command_of_a_name_is_loaded_when_it_is_asked_for():
     assert options.command("merge-depth")().name == "merge-depth"
+    assert "--set" in options.command("saliency-train")().epilog  # as where it is called by its own name
 
 
 def test_facts_are_lines_below_the_name_of_the_output_or_one_object(capsys):

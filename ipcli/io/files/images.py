@@ -51,7 +51,6 @@ def read_depth(
         missing |= stored == far_plane(stored[~missing])
     else:
         known = "floats, or integers of 16 bits or more"
-        known = "floats, or integers of 16 bits or more"
         raise FormatError(path, f"wrong type of {what}", expected=known, got=stored.dtype)
     fix = "Say which value means no data with --missing, or mark it as NaN" if what == "depth" else "Give values >= 0"
     _refuse(path, stored, f"negative {what}", ~missing & (stored < 0), fix)

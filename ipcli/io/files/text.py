@@ -16,6 +16,7 @@ from ipcli.measurements.names import natural
 IMAGES = (".png", ".jpg", ".jpeg")
 ENDS = ("\x1a", "\0")  # Ctrl-Z and zeros, which DOS put after the end of a text
 MOST_DIGITS = 15  # of a whole number in a file
+CUT = "the file ends without an end of line: its last number may be cut"  # what `cut_number` found, in words
 
 
 def require_folder(folder: Path) -> Path:

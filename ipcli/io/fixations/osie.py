@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ipcli.errors import FormatError
+from ipcli.io.files import matlab
 from ipcli.io.files.images import read_image
 from ipcli.measurements.fixations import FixatedPicture, FixationSet
 
@@ -36,15 +37,9 @@ def open_osie(path: Path) -> FixationSet:
 
 
 def _records(file: Path) -> np.ndarray:
-    from scipy.io import loadmat
-
     if file.stat().st_size > MOST_BYTES:
         raise FormatError(file, "too large", expected=f"at most {MOST_BYTES} bytes")
-    try:
-        tree = loadmat(file, variable_names=["fixations"])
-    except Exception as error:  # scipy lets out whatever its parser stumbles over
-        raise FormatError(file, f"not a readable MATLAB file ({type(error).__name__})") from error
-    records = tree.get("fixations")
+    records = matlab.read(file).get("fixations")
     if records is None or records.dtype != object or not records.size:
         raise FormatError(file, "holds no cells 'fixations'")
     return np.asarray(records).ravel()

@@ -8,11 +8,10 @@ import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.io.files import ply
-from ipcli.io.gaze.gaze_files import columns_of
+from ipcli.io.gaze.gaze_files import AXES, columns_of
 from ipcli.measurements.recording import Areas
 
 LOW, HIGH = ("x0 [m]", "y0 [m]", "z0 [m]"), ("x1 [m]", "y1 [m]", "z1 [m]")
-CORNER = ("x [m]", "y [m]", "z [m]")
 LABEL = "label"
 MOST = 1000  # labels of a cloud
 
@@ -29,9 +28,9 @@ def read_areas(path: Path) -> Areas:
     names = [str(name) for name in columns["name"]]
     if all(axis in columns for axis in (*LOW, *HIGH)):
         return _boxes(path, names, np.stack([_numbers(path, columns, LOW), _numbers(path, columns, HIGH)], axis=1))
-    if all(axis in columns for axis in CORNER):
-        return _polygons(path, names, _numbers(path, columns, CORNER))
-    wanted = " or ".join(", ".join(("name", *axes)) for axes in ((*LOW, *HIGH), CORNER))
+    if all(axis in columns for axis in AXES):
+        return _polygons(path, names, _numbers(path, columns, AXES))
+    wanted = " or ".join(", ".join(("name", *axes)) for axes in ((*LOW, *HIGH), AXES))
     raise FormatError(path, "no table of areas of interest", expected=wanted, got=", ".join(columns))
 
 

@@ -24,6 +24,7 @@ from ipcli.measurements.recording import Gaze
 
 LARGEST = 1 << 30  # bytes of an unpacked export
 CONFIDENT = 0.6  # confidence below which Pupil's own software leaves a sample out
+AXES = ("x [m]", "y [m]", "z [m]")  # of a place, in a table
 Columns = Mapping[str, np.ndarray]
 log = logging.getLogger(__name__)
 
@@ -264,11 +265,15 @@ def on_clock(gaze: Gaze, times: np.ndarray, shift: float, path: Path) -> Gaze:
 
 def read_targets(path: Path) -> tuple[tuple[str, ...], np.ndarray]:
     """Names and places (t, 3) in metres of a table `name, x [m], y [m], z [m]`."""
-    columns = columns_of(path)
-    axes = ("x [m]", "y [m]", "z [m]")
-    if "name" not in columns or not all(axis in columns and columns[axis].dtype.kind == "f" for axis in axes):
-        raise FormatError(path, "no table of targets", expected="name, x [m], y [m], z [m]", got=", ".join(columns))
-    places = np.stack([columns[axis] for axis in axes], axis=1)
+    return places_of(path, columns_of(path), "target")
+
+
+def places_of(path: Path, columns: Columns, what: str) -> tuple[tuple[str, ...], np.ndarray]:
+    """Names and places (t, 3) in metres from the columns of a table of `what`s. Raises FormatError."""
+    if "name" not in columns or not all(axis in columns and columns[axis].dtype.kind == "f" for axis in AXES):
+        wanted = ", ".join(("name", *AXES))
+        raise FormatError(path, f"no table of {what}s", expected=wanted, got=", ".join(columns))
+    places = np.stack([columns[axis] for axis in AXES], axis=1)
     if not np.isfinite(places).all():
-        raise FormatError(path, "a target has no place", expected="finite numbers")
+        raise FormatError(path, f"a {what} has no place", expected="finite numbers")
     return tuple(str(name) for name in columns["name"]), places

@@ -7,21 +7,16 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError
-from ipcli.io.gaze.gaze_files import columns_of
+from ipcli.io.gaze.gaze_files import columns_of, places_of
 from ipcli.measurements.recording import Landmarks
 
-AXES, MARK = ("x [m]", "y [m]", "z [m]"), ("frame", "u [px]", "v [px]")
+MARK = ("frame", "u [px]", "v [px]")
 
 
 def read_landmarks(path: Path) -> Landmarks:
     """A table `name, x [m], y [m], z [m]`, with `frame, u [px], v [px]` a line a mark. Raises FormatError."""
     columns = columns_of(path)
-    if "name" not in columns or not all(axis in columns and columns[axis].dtype.kind == "f" for axis in AXES):
-        raise FormatError(path, "no table of landmarks", expected=", ".join(("name", *AXES)), got=", ".join(columns))
-    names = [str(name) for name in columns["name"]]
-    places = np.stack([columns[axis] for axis in AXES], axis=1)
-    if not np.isfinite(places).all():
-        raise FormatError(path, "a landmark has no place", expected="finite numbers")
+    names, places = places_of(path, columns, "landmark")
     unique = tuple(dict.fromkeys(names))
     first = [names.index(name) for name in unique]
     number = {name: i for i, name in enumerate(unique)}

@@ -18,12 +18,11 @@ import numpy as np
 
 from ipcli.errors import FormatError, nearest
 from ipcli.geometry.skeleton import NO_PARENT, Skeleton, forward_kinematics
-from ipcli.io.files.text import cut_number, read_any_text, whole
+from ipcli.io.files.text import CUT, cut_number, read_any_text, whole
 from ipcli.measurements.motions import Motion, check_motion
 
 INCH = 0.0254  # metres
 CHANNELS = ("rx", "ry", "rz", "tx", "ty", "tz", "l")
-CUT = "the file ends without an end of line: its last number may be cut"
 MOST_GAPS = 100  # frames for each frame that there is
 DAMAGED = "Check that the copy is complete, or fix the line"
 Line = tuple[int, list[str]]  # number from 1, words

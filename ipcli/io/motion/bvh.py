@@ -18,7 +18,7 @@ import numpy as np
 
 from ipcli.errors import FormatError, nearest
 from ipcli.geometry.skeleton import NO_PARENT, Skeleton, forward_kinematics
-from ipcli.io.files.text import cut_number, read_any_text
+from ipcli.io.files.text import CUT, cut_number, read_any_text
 from ipcli.measurements.motions import Motion, check_motion
 
 UNIT = 0.01  # metres: files do not say their unit; most are in centimetres
@@ -29,7 +29,6 @@ FRAMES = re.compile(r"\s*frames\s*:", re.IGNORECASE)
 # a joint and all of its name, which may hold spaces; an end site and whatever it is called; a brace; a word
 WORDS = re.compile(r"(ROOT|JOINT)\s+([^{}]+)|(END)\s+SITE[^{}]*|([{}]|[^\s{}:]*:|[^\s{}:]+)", re.IGNORECASE)
 GLUED = re.compile(r"(?<=[0-9.])(?=[-+])")  # between two numbers without a space, the second with a sign
-CUT = "the file ends without an end of line: its last number may be cut"
 
 
 @dataclass

@@ -15,8 +15,8 @@ import numpy as np
 
 from ipcli.errors import FormatError, nearest
 from ipcli.geometry.skeleton import Skeleton
+from ipcli.io.files import matlab
 from ipcli.io.files.archive import is_archive, listing, unpacked
-from ipcli.io.files.guarded import ParserFailed, guarded
 from ipcli.io.files.text import comment_free, whole
 from ipcli.measurements.motions import TEST, TRAIN, Clip, Clips, Motion, check_motion
 
@@ -205,23 +205,11 @@ def _splits(path: Path, subjects: Sequence[int]) -> dict[str, np.ndarray]:
 
 
 def _load(path: Path, variable: str) -> np.ndarray:
-    if not path.is_file():  # scipy does not tell it from a damaged one
-        raise FormatError(path, "no such file", fix="Add it to the folder")
-    try:
-        found: dict[str, np.ndarray] = guarded(content, str(path))
-    except ParserFailed as error:
-        raise FormatError(path, f"not a readable MATLAB file: {error}", fix=DAMAGED) from None
+    found = matlab.read(path, fix=DAMAGED)
     if variable not in found:
         what = f"no variable '{variable}'{nearest(variable, found)}"
         raise FormatError(path, what, fix="Check that it is the right file")
     return found[variable]
-
-
-def content(path: str) -> dict[str, np.ndarray]:
-    """The variables of a MATLAB file by scipy, which may crash on a damaged one."""
-    from scipy.io import loadmat
-
-    return {name: value for name, value in loadmat(path).items() if not name.startswith("__")}
 
 
 def _texts(path: Path, variable: str) -> list[str]:

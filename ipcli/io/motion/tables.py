@@ -19,45 +19,20 @@ import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.geometry.skeleton import NO_PARENT, Skeleton
-from ipcli.io.files.text import cut_number, read_text
+from ipcli.io.files.text import CUT, cut_number, read_text
 from ipcli.io.motion.quaternions import matrices
 from ipcli.measurements.motions import Motion, check_motion
 
 SKELETON = "skeleton.csv"
 UNEVEN = 0.02  # share of the frame time by which times may be off
 USUAL_RATES = (
-    10,
-    12,
-    12.5,
-    15,
-    20,
-    24,
-    25,
-    30,
-    48,
-    50,
-    60,
-    72,
-    75,
-    90,
-    100,
-    120,
-    150,
-    180,
-    200,
-    240,
-    250,
-    300,
-    360,
-    480,
-    500,
-)
+    10, 12, 12.5, 15, 20, 24, 25, 30, 48, 50, 60, 72, 75, 90, 100, 120, 150, 180, 200, 240, 250, 300, 360, 480, 500,
+)  # fmt: skip
 MOST_GAPS = 100  # frames for each line of a table with frame numbers
 MOST_NOTES = 5
 CLEAR = 10  # frames whose coarsely rounded times tell a clock
 DELIMITERS = (",", ";", "\t")
 DECIMAL = re.compile(r",(?=[0-9])")
-CUT = "the file ends without an end of line: its last number may be cut"
 
 
 def read_npz(path: Path, *, rate: float | None = None, unit: float | None = None) -> Motion:

@@ -13,9 +13,9 @@ import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.geometry.skeleton import NO_PARENT, Skeleton
-from ipcli.io.files.text import cut_number, read_any_text
+from ipcli.io.files.text import CUT, cut_number, read_any_text
 from ipcli.io.motion.names import numbered
-from ipcli.io.motion.tables import CUT, unseen
+from ipcli.io.motion.tables import unseen
 from ipcli.measurements.motions import Motion, check_motion
 
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "inches": 0.0254, "ft": 0.3048, "meters": 1.0}

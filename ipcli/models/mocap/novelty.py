@@ -21,10 +21,7 @@ from ipcli.models.mocap.behaviours import Model
 from ipcli.models.mocap.parameters import BODY, MOTION, Decision
 
 MEASURED = ("log_posterior", "share", "density", "evidence")  # the fields of `Measured`
-PREFIXES = {
-    True: "held_out_",
-    False: "held_out_pose_",
-}  # of the arrays of a calibration of recordings in order, of poses
+PREFIXES = {True: "held_out_", False: "held_out_pose_"}  # of a calibration's arrays: of recordings in order, of poses
 SCORES = ("share", "density", "groups", "actions", "densities")  # what `Reference.scores` gives, in its order
 LEAST_LOG = -30.0  # log posterior by a group below which it is as good as excluded
 SHRINKAGE = 0.2  # share of independence in the covariance of a profile within an action

@@ -99,14 +99,14 @@ def recognise(
     posterior = recognition.frame_posteriors(model, density, decision)
     surprise = recognition.novelty_scores(model, density)
     told = recognition.answer(posterior[rows], surprise[rows], queries.query, count, decision)
-    novelty = told.novelty
+    novelty, is_known = told.novelty, told.novelty <= refuse.surprise
     if refuse.reference is not None:
         asked = measure(model, density[rows], queries.query, count, decision, ordered=refuse.ordered)
-        whole = refuse.reference.is_comparable(asked) & (told.frames >= PART)
+        few = told.frames < PART  # too few to be called none
+        whole = refuse.reference.is_comparable(asked) & ~few
         novelty = np.where(whole, refuse.reference.novelty(asked), np.nan)
-    few = (told.frames > 0) & (told.frames < PART)  # too few to be called none by their density
-    plain = few | (told.novelty <= refuse.surprise)
-    is_known = np.where(np.isfinite(novelty), novelty <= refuse.threshold, plain)
+        plain = is_known | (few & (told.frames > 0))
+        is_known = np.where(np.isfinite(novelty), novelty <= refuse.threshold, plain)
     is_known &= told.posterior.max(axis=1) >= refuse.least
     return {
         "clips": np.array([known.clips[index].name for index in queries.clip], np.str_),

@@ -132,8 +132,8 @@ def learn_behaviours(
         | {"novelty": learnt.surprise, **_counts(known, actions, names)}
         | {
             name: values
-            for one in learnt.references.items()
-            for name, values in one[1].arrays(PREFIXES[one[0]]).items()
+            for ordered, reference in learnt.references.items()
+            for name, values in reference.arrays(PREFIXES[ordered]).items()
         }
         | {"preferences": recognition.preference(model, decision)}
         | chain_diagnostics(learnt.training, learnt.fitted)

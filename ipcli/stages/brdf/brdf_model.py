@@ -25,6 +25,7 @@ from ipcli.progress import Progress, silent
 from ipcli.stages.brdf.parameters import BrdfModel
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
 from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.summary import of_result
 
 TIE = 0.1  # difference of the two energies over their mean below which a picture does not tell convex from concave
 SUMMARISED = ("sheet", "residual", "tie", "materials", "material_posterior", "metrics")
@@ -198,12 +199,11 @@ def write_normals(
     images.write_png(path, photographs.encode_normals(arrays["normals"], params.normals))
 
 
+@of_result
 def summary(output: Path) -> dict[str, Any]:
-    """The few figures a person wants, of an object that is there; of none (a dry run), its name alone."""
-    if not output.is_file():
-        return {"output": output}
+    """The few figures a person wants of an object."""
     arrays = h5.read(output, "brdf-object", lambda name: name in SUMMARISED).arrays
-    facts: dict[str, Any] = {"output": output, "cut edge": round(float(arrays["sheet"]), 2)}
+    facts: dict[str, Any] = {"cut edge": round(float(arrays["sheet"]), 2)}
     facts["residual"] = round(float(arrays["residual"]), 4)
     facts["settled by the picture"] = (
         "convex or concave: no, it ties" if abs(float(arrays["tie"])) < TIE else "convex or concave: yes"

@@ -22,6 +22,7 @@ from ipcli.stages.brdf.parameters import BrdfTrain
 from ipcli.stages.kit.artefact import Job, Outcome, make_resumable
 from ipcli.stages.kit.checkpoint import Checkpoint
 from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.summary import of_result
 
 
 def run(source: Path, output: Path, params: BrdfTrain, run: Run, progress: Progress = silent) -> Outcome:
@@ -33,15 +34,13 @@ def run(source: Path, output: Path, params: BrdfTrain, run: Run, progress: Progr
     return make_resumable(job, lambda work: library(listed, params, run, work, progress), run)
 
 
+@of_result
 def summary(output: Path) -> dict[str, Any]:
-    """The few figures a person wants, of a library that is there; of none (a dry run), its name alone."""
-    if not output.is_file():
-        return {"output": output}
+    """The few figures a person wants of a library."""
     wanted = ("materials", "probes", "material_accuracy", "rim_accuracy")
     arrays = h5.read(output, "brdf-library", lambda name: name in wanted).arrays
     material, metal = arrays["material_accuracy"]
     return {
-        "output": output,
         "materials": len(arrays["materials"]),
         "lights": len(arrays["probes"]),
         "told right": f"rim {arrays['rim_accuracy']:.0%}, material {material:.0%}, metal or not {metal:.0%} (held out)",

@@ -35,19 +35,12 @@ from ipcli.stages.fusion.sources import middle, open_source, source_files
 from ipcli.stages.kit import outputs
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
 from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.summary import of_result
 
 log = logging.getLogger(__name__)
-SUMMED_UP = {
-    "fused_into",
-    "views",
-    "view_overlap",
-    "observations",
-    "noise_scale",
-    "unit",
-    "domain",
-    "history",
-    "warnings",
-}
+SUMMED_UP = (
+    "fused_into", "views", "view_overlap", "observations", "noise_scale", "unit", "domain", "history", "warnings",
+)  # fmt: skip
 LEAST_OVERLAP = 1e-3  # share of the reference a view other than it must reach to count as overlapping
 
 
@@ -67,26 +60,13 @@ def run(
     return _fuse(source, output, params, run, beside, progress)
 
 
+@of_result
 def summary(output: Path) -> dict[str, Any]:
-    """The few figures a person wants, of a fused map that is there; of none (a dry run), its name alone."""
-    if not output.is_file():
-        return {"output": output}
-    wanted = (
-        "fused_into",
-        "views",
-        "view_overlap",
-        "observations",
-        "noise_scale",
-        "unit",
-        "domain",
-        "history",
-        "warnings",
-    )
-    found = h5.read(output, "fused-depth", lambda name: name in wanted).arrays
+    """The few figures a person wants of a fused map."""
+    found = h5.read(output, "fused-depth", lambda name: name in SUMMED_UP).arrays
     history, domain = found["history"], str(found["domain"])
     unit = {"disparity": "px", "inverse depth": f"1/{found['unit']}"}.get(domain, str(found["unit"]))
     facts: dict[str, Any] = {
-        "output": output,
         "fused_into": str(found.get("fused_into", "")),
         "views": len(found["views"]),
         "noise": f"{found['noise_scale']:.3g} {unit} ({domain})",

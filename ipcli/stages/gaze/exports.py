@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -75,19 +77,15 @@ def write_csv(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, 
 
 def write_areas(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
     """A line an area of interest: dwell, share, visits, fixations, first look, and the transitions to each other."""
-    names = [_quoted(str(name)) for name in a["aoi/names"]]
-    head = ["area", "dwell [s]", "share", "visits", "fixations", "first look [s]"]
-    lines = [",".join([*head, *(f"to {name}" if name[0] != '"' else f'"to {name[1:]}' for name in names)])]
+    names, text = a["aoi/names"].tolist(), io.StringIO()
+    lines = csv.writer(text, lineterminator="\n")
+    head = ("area", "dwell [s]", "share", "visits", "fixations", "first look [s]")
+    lines.writerow([*head, *(f"to {name}" for name in names)])
     for i, name in enumerate(names):
+        seconds, share, first = (_cell(a[f"aoi/{what}"][i]) for what in ("dwell", "share", "first"))
         counts = (a["aoi/visits"][i], a["aoi/fixations"][i])
-        cells = [name, _cell(a["aoi/dwell"][i]), _cell(a["aoi/share"][i]), *map(str, counts), _cell(a["aoi/first"][i])]
-        lines.append(",".join([*cells, *map(str, a["aoi/transitions"][i])]))
-    atomic.write_text(path, "\n".join(lines) + "\n")
-
-
-def _quoted(text: str) -> str:
-    """As CSV has it (RFC 4180)."""
-    return '"' + text.replace('"', '""') + '"' if any(mark in text for mark in ',"\n') else text
+        lines.writerow([name, seconds, share, *counts, first, *a["aoi/transitions"][i]])
+    atomic.write_text(path, text.getvalue())
 
 
 def _cell(value: float) -> str:

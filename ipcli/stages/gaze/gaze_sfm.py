@@ -11,6 +11,7 @@ from ipcli.params import Run
 from ipcli.progress import Progress, silent
 from ipcli.stages.gaze.parameters import GazeSfm as Params
 from ipcli.stages.gaze.sources import open_source
+from ipcli.stages.kit.summary import of_result
 
 if TYPE_CHECKING:
     import numpy as np
@@ -63,12 +64,11 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
     return make(job, build, run)
 
 
+@of_result
 def summary(output: Path) -> dict[str, object]:
     """The figures that a person wants to see at once."""
     from ipcli.io.files import h5
     from ipcli.models.gaze.evaluation import summary as figures
 
     wanted = ("world_from_rig", "lost", "keyframe", "offset", "truth", "por/outcome", "por/covariance", "in_map")
-    return {"output": str(output)} | figures(
-        h5.read(output, "gaze-experiment", only=lambda name: name in wanted).arrays
-    )
+    return figures(h5.read(output, "gaze-experiment", only=lambda name: name in wanted).arrays)

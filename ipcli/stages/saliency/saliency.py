@@ -21,6 +21,7 @@ from ipcli.report.saliency.membranes import turnable
 from ipcli.report.saliency.saliency import SALIENCY
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.summary import of_result
 from ipcli.stages.saliency.parameters import Saliency as Params
 
 KIND = "saliency"
@@ -105,11 +106,12 @@ def write_objects(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[s
     atomic.write_text(path, "\n".join(lines) + "\n")
 
 
+@of_result
 def summary(output: Path) -> dict[str, object]:
     """The figures that a person wants to see at once."""
     wanted = ("objects/track", "hits", "folds/rates", "subsequences/regards")
     a = h5.read(output, KIND, only=lambda name: name in wanted).arrays
-    facts: dict[str, object] = {"output": str(output), "subsequences": len(a["subsequences/regards"])}
+    facts: dict[str, object] = {"subsequences": len(a["subsequences/regards"])}
     facts |= {"proto-objects": len(a["objects/track"]), "places": len(np.unique(a["objects/track"]))}
     if "folds/rates" in a:
         facts["balanced error rate"] = round(float(np.nanmean(a["folds/rates"][:, 4])), 4)

@@ -19,6 +19,7 @@ from ipcli.params import Run
 from ipcli.progress import Progress, portion, silent
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.summary import of_result
 from ipcli.stages.saliency import sets
 from ipcli.stages.saliency.parameters import SaliencyEvaluate
 from ipcli.stages.saliency.saliency_predict import predictor_of
@@ -177,12 +178,11 @@ def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[
     atomic.write_text(path, text.getvalue())
 
 
+@of_result
 def summary(output: Path) -> dict[str, Any]:
-    """The figures of all but single features, of an evaluation that is there; of none (a dry run), its name alone."""
-    if not output.is_file():
-        return {"output": output}
+    """The figures of all but single features."""
     arrays = h5.read(output, KIND, lambda name: not name.startswith(("shown/", "each"))).arrays
-    facts: dict[str, Any] = {"output": output}
+    facts: dict[str, Any] = {}
     for name, role, values in zip(arrays["predictors"], arrays["roles"], arrays["values"], strict=True):
         if role != "feature":
             pairs = zip(arrays["measures"].tolist(), values.tolist(), strict=True)

@@ -21,6 +21,7 @@ from ipcli.params import Run
 from ipcli.progress import Progress, silent
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
 from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.summary import of_result
 from ipcli.stages.saliency.parameters import SaliencyPredict
 
 KIND = "saliency-maps"
@@ -142,15 +143,11 @@ def write_map(name: str, path: Path, arrays: Mapping[str, np.ndarray], provenanc
     images.write_png(path, image_model.grey(arrays[f"pictures/{name}/map"], (shape[0], shape[1])))
 
 
+@of_result
 def summary(output: Path) -> dict[str, Any]:
-    """The few figures a person wants, of maps that are there; of none (a dry run), the name alone."""
-    if not output.is_file():
-        return {"output": output}
+    """The few figures a person wants of maps."""
     names = h5.names(output)
-    return {
-        "output": output,
-        "by": str(h5.read(output, KIND, lambda name: name == "model").arrays["model"]),
-    } | {
+    return {"by": str(h5.read(output, KIND, lambda name: name == "model").arrays["model"])} | {
         what: count
         for what in ("pictures", "surfaces")
         if (count := sum(name.startswith(what) and name.endswith("/map") for name in names))

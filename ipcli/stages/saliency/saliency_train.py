@@ -14,6 +14,7 @@ from ipcli.params import Run
 from ipcli.progress import Progress, portion, silent
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.summary import of_result
 from ipcli.stages.saliency import sets
 from ipcli.stages.saliency.parameters import SaliencyTrain
 
@@ -43,13 +44,11 @@ def learnt(places: tuple[Path, ...], params: SaliencyTrain, run: Run, progress: 
     return predictor.arrays() | facts
 
 
+@of_result
 def summary(output: Path) -> dict[str, Any]:
-    """The few figures a person wants, of a model that is there; of none (a dry run), its name alone."""
-    if not output.is_file():
-        return {"output": output}
+    """The few figures a person wants of a model."""
     arrays = h5.read(output, KIND, lambda name: not name.startswith("trees/")).arrays
     return {
-        "output": output,
         "learnt from": f"{len(arrays['items'])} {arrays['subject']}, {int(arrays['fixations'])} fixations",
         "features": len(arrays["features"]),
     }
