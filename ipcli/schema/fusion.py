@@ -50,7 +50,15 @@ DEPTH = Kind(
         Field(
             "normals", "float32", ("h", "w", 3), "1", "Unit normals in the camera frame, facing the camera; NaN unknown"
         ),
-        Field("observations", "uint16", ("h", "w"), "1", "Observations per pixel; 0: in-painted"),
+        Field("observations", "uint16", ("h", "w"), "1", "Observations per pixel; 0: nothing was seen"),
+        Field(
+            "filled",
+            "uint8",
+            ("h", "w"),
+            "",
+            "How the depth came about: 0 from observations; 1 filled, none is there; 2 filled, none is near it",
+            optional=True,
+        ),
         Field(
             "mean",
             "float32",

@@ -51,7 +51,7 @@ def view_table(fused: Fused, names: Sequence[str], views: Sequence[View]) -> dic
 def error_table(fused: Fused, reference: View, baseline_focal: float | None) -> dict[str, np.ndarray]:
     """Errors of the reference view, mean, median and fused map, if the truth is known; nothing if not.
 
-    The fused map counts where something was observed, as the others do, and once more with what it in-painted. Whether
+    The fused map counts where something was observed, as the others do, and once more with what fills it. Whether
     its confidence knows where it errs is told beside what the mere angle of view (4.35) would know.
     """
     if reference.truth is None:
@@ -60,7 +60,7 @@ def error_table(fused: Fused, reference: View, baseline_focal: float | None) -> 
     maps = {"reference": reference.depth, "mean": fused.mean, "median": fused.median}
     maps["fused"] = np.where(observed, fused.depth, np.nan).astype(np.float32)
     if not observed.all():
-        maps["fused, in-painted"] = fused.depth
+        maps["fused, filled"] = fused.depth
     own = {name: fused.normals for name in maps if name.startswith("fused")}
     columns, rows = compare(maps, reference.truth, reference.intrinsics, baseline_focal, own)
     error = maps["fused"] - reference.truth

@@ -15,6 +15,7 @@ from ipcli.measurements.views import View
 from ipcli.models.fusion import confidence as priors
 from ipcli.models.fusion.alternation import ALGORITHMS, START, History, Problem, with_given_confidence
 from ipcli.models.fusion.edges import first_order_weights, image_weights
+from ipcli.models.fusion.holes import SEEN, UNSEEN, fill_holes, normals_of_filled, support
 from ipcli.models.fusion.observations import Normalised, Units, floor, measure
 from ipcli.models.fusion.parameters import METHODS, Fusion, Method
 from ipcli.models.fusion.pyramid import start
@@ -27,7 +28,8 @@ from ipcli.progress import Progress, silent
 class Fused:
     """A fused depth map and what it rests on; all images (h, w), in the reference camera."""
 
-    depth: np.ndarray  # float32, in-painted where nothing was observed; NaN there for methods without regularisation
+    depth: np.ndarray  # float32, filled where nothing supports it; NaN there for methods without regularisation
+    filled: np.ndarray  # uint8, SEEN, UNSEEN or UNBELIEVED of `holes`
     confidence: np.ndarray  # float32, L of eq. (4.14), in inverse noise scales; 0 where nothing was observed
     uncertainty: (
         np.ndarray
@@ -52,6 +54,24 @@ class PassScale:
 
 
 def fuse(
+    views: Sequence[View], reference: View, fusion: Fusion, *, inverse: bool, progress: Progress = silent
+) -> Fused:
+    """As `fuse_unfilled`, and what stands where no view supports the map is as `fusion.holes` says."""
+    unfilled = fuse_unfilled(views, reference, fusion, inverse=inverse, progress=progress)
+    return with_holes_filled(unfilled, reference, fusion, inverse=inverse)
+
+
+def with_holes_filled(fused: Fused, reference: View, fusion: Fusion, *, inverse: bool) -> Fused:
+    """The same map, its holes filled as `fusion.holes` says; without a regulariser they stay empty."""
+    holes = fusion.holes
+    if holes.fill == "regulariser" or not METHODS[fusion.method].order:
+        return replace(fused, filled=np.where(fused.filled == UNSEEN, UNSEEN, SEEN).astype(np.uint8))
+    depth = fill_holes(fused.depth, fused.filled, holes.reach * fused.noise_scale, inverse=inverse)
+    own = normals_of_filled(fused.normals, depth, fused.filled, reference.intrinsics)
+    return replace(fused, depth=depth, normals=own)
+
+
+def fuse_unfilled(
     views: Sequence[View],
     reference: View,
     fusion: Fusion,
@@ -85,6 +105,7 @@ def fuse(
     said[~np.isfinite(said)] = np.nan
     return Fused(
         depth=last.end.depth,
+        filled=support(last.x, last.data, fusion.holes.believed),
         confidence=last.problem.of_pixels(last.problem.best_confidence(last.x)),
         uncertainty=last.uncertainty(),
         normals=last.normals(reference.intrinsics, METHODS[fusion.method]),

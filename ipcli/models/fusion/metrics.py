@@ -8,6 +8,7 @@ import numpy as np
 
 from ipcli import threads
 from ipcli.geometry.surface import normals
+from ipcli.models.fusion.holes import interpolate_background
 
 DEPTH_COLUMNS = ("density %", "RMSE", "MAE", "centred RMSE", "Z-MAE", "N-MAE rad")
 DISPARITY_COLUMNS = ("out-3 %", "D-avg px", "out-3 seen %")
@@ -19,6 +20,7 @@ def compare(
     intrinsics: np.ndarray,
     baseline_focal: float | None,
     own_normals: dict[str, np.ndarray] | None = None,
+    own_filling: dict[str, np.ndarray] | None = None,
 ) -> tuple[list[str], np.ndarray]:
     """Columns and a row of figures for each depth map (h, w), NaN = nothing, against the truth (h, w), NaN = unknown.
 
@@ -27,8 +29,8 @@ def compare(
     subtracting the mean and the median error; N-MAE is the mean angle between the normals in radians, a missing normal
     counting 90 degrees; of the maps in `own_normals` those (h, w, 3) are judged, of others those of the map. With
     baseline_focal (pixels times unit) follow the share of disparities that are off by more than 3 px and the mean
-    disparity error, both after the background interpolation of the KITTI benchmark and so on every pixel of the truth,
-    and that share of the pixels alone where every map has a value.
+    disparity error on every pixel of the truth, which takes the map (h, w) in `own_filling` where there is one and else
+    the background interpolation of the KITTI benchmark; and that share of the pixels alone where every map has a value.
     """
     known = np.isfinite(truth)
     everywhere = known & np.isfinite(np.stack(list(maps.values()))).all(axis=0)
@@ -42,7 +44,9 @@ def compare(
         if baseline_focal:
             found, true = baseline_focal / depth, baseline_focal / truth
             seen, _ = disparity_errors(found, np.where(everywhere, true, np.nan))
-            disparity = [*disparity_errors(interpolate_background(found), true), seen]
+            own_map = own_filling.get(name) if own_filling else None
+            full = interpolate_background(found if own_map is None else baseline_focal / own_map)
+            disparity = [*disparity_errors(full, true), seen]
         return [100 * np.isfinite(depth[known]).mean(), *depth_errors(depth, truth, everywhere), angle, *disparity]
 
     rows = threads.each(row, list(maps))
@@ -102,22 +106,3 @@ def ause(confidence: np.ndarray, error: np.ndarray) -> float:
     kept = np.arange(1, error.size + 1)
     area = ((expected.cumsum() - np.sort(error).cumsum()) / kept).mean()
     return float(area / error.mean()) if error.any() else 0.0
-
-
-def interpolate_background(disparity: np.ndarray) -> np.ndarray:
-    """Fill the NaN of a disparity map (h, w) as the KITTI development kit does: the smaller neighbour along the row,
-    the only one at its ends, then the nearest value along the column. NaN stays only if there is no value at all.
-    """
-    filled = _fill_rows(disparity, np.fmin)
-    return _fill_rows(filled.T, lambda before, after: np.where(np.isfinite(before), before, after)).T
-
-
-def _fill_rows(image: np.ndarray, choose) -> np.ndarray:
-    valid = np.isfinite(image)
-    column = np.broadcast_to(np.arange(image.shape[1]), image.shape)
-    last = np.maximum.accumulate(np.where(valid, column, -1), axis=1)
-    following = np.minimum.accumulate(np.where(valid, column, image.shape[1])[:, ::-1], axis=1)[:, ::-1]
-    row = np.arange(image.shape[0])[:, None]
-    before = np.where(last >= 0, image[row, np.maximum(last, 0)], np.nan)
-    after = np.where(following < image.shape[1], image[row, np.minimum(following, image.shape[1] - 1)], np.nan)
-    return np.where(valid, image, choose(before, after))

@@ -75,6 +75,24 @@ class Edges:
 
 
 @dataclass(frozen=True)
+class Holes:
+    """Where no view supports the map, and what stands there."""
+
+    fill: str = option(
+        "background",
+        "what stands there: the background along the row, or what the regulariser in-paints",
+        flag="--fill",
+        choices=("background", "regulariser"),
+    )
+    believed: float = option(
+        5.0, "noise scales from the map within which an observation must lie to support it", low=1e-6
+    )
+    reach: float = option(
+        100.0, "noise scales behind the in-painted surface beyond which a background is not taken", low=0.0
+    )
+
+
+@dataclass(frozen=True)
 class Fusion:
     """Energy (4.3) and the algorithm that lowers it."""
 
@@ -103,6 +121,7 @@ class Fusion:
     huber: float = option(1.0, "width of the Huber deviation, in noise scales", low=1e-6)
     confidence: Confidence = field(default_factory=Confidence)
     edges: Edges = field(default_factory=Edges)
+    holes: Holes = field(default_factory=Holes)
     regulariser: Regulariser = field(default_factory=lambda: Regulariser(alpha0=3.0))
     solver: Solver = field(default_factory=Solver)
 

@@ -26,12 +26,13 @@ class EstimatedMap:
     normals: np.ndarray | None = None  # (h, w, 3), if not those of the depth
     confidence: np.ndarray | None = None  # (h, w)
     uncertainty: np.ndarray | None = None  # (h, w)
+    filled: np.ndarray | None = None  # (h, w) the depth with what stands in its holes, if the method has a say there
 
     @classmethod
     def of(cls, fused: Fused) -> EstimatedMap:
-        """The fused map without what was in-painted."""
+        """The fused map, without depth where nothing was observed."""
         depth = np.where(fused.observations > 0, fused.depth, np.nan).astype(np.float32)
-        return cls(depth, fused.normals, fused.confidence, fused.uncertainty)
+        return cls(depth, fused.normals, fused.confidence, fused.uncertainty, fused.depth)
 
     @property
     def confidence_or_zero(self) -> np.ndarray:
@@ -58,7 +59,8 @@ class Scene:
         """Columns and rows of the error measures of maps, all taken on the pixels that every one of them has."""
         depths = {name: one.depth for name, one in maps.items()}
         own = {name: one.normals for name, one in maps.items() if one.normals is not None}
-        return compare(depths, self.truth, self.reference.intrinsics, self.baseline_focal, own)
+        filled = {name: one.filled for name, one in maps.items() if one.filled is not None}
+        return compare(depths, self.truth, self.reference.intrinsics, self.baseline_focal, own, filled)
 
 
 @dataclass(frozen=True, eq=False)

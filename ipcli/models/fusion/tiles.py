@@ -22,10 +22,12 @@ from ipcli.models.fusion.fuse import (
     PassScale,
     balanced_lambda,
     first_pass,
-    fuse,
     fuse_layers,
+    fuse_unfilled,
     passes_after_first,
+    with_holes_filled,
 )
+from ipcli.models.fusion.holes import UNSEEN
 from ipcli.models.fusion.observations import Normalised, measure
 from ipcli.models.fusion.parameters import METHODS, Fusion
 from ipcli.models.fusion.reassociation import reassociate
@@ -104,11 +106,11 @@ def fuse_in_tiles(
         progress(0.1 + 0.8 * done / len(windows), f"fusing tile {done + 1} of {len(windows)}")
         wide = window.wider(MARGIN)
         try:
-            part = fuse(views, wide.camera(reference), fusion, inverse=inverse, scales=scales)
+            part = fuse_unfilled(views, wide.camera(reference), fusion, inverse=inverse, scales=scales)
         except NoSolution:
             continue
         inner = window.within(wide)
-        for name in ("depth", "confidence", "uncertainty", "normals", "observations", "mean", "median"):
+        for name in ("depth", "filled", "confidence", "uncertainty", "normals", "observations", "mean", "median"):
             window.of(getattr(whole, name))[:] = inner.of(getattr(part, name))
         kept = part.layers[
             :, inner.rows.start : inner.rows.stop : EVERY, inner.columns.start : inner.columns.stop : EVERY
@@ -117,7 +119,7 @@ def fuse_in_tiles(
         whole.layers[:, top : top + kept.shape[1], left : left + kept.shape[2]] = kept
         if len(part.history) and (not len(whole.history) or part.history[-1, 3] > whole.history[-1, 3]):
             whole = replace(whole, history=part.history)
-    return whole
+    return with_holes_filled(whole, reference, fusion, inverse=inverse)
 
 
 def tiles(shape: tuple[int, int], side: int) -> list[Window]:
@@ -135,6 +137,7 @@ def empty(k: int, shape: tuple[int, int], scale: PassScale) -> Fused:
     kept = np.full((k, *(-(-n // EVERY) for n in shape)), np.nan, np.float32)
     return Fused(
         nothing(),
+        np.full(shape, UNSEEN, np.uint8),
         np.zeros(shape, np.float32),
         nothing(),
         np.full((*shape, 3), np.nan, np.float32),

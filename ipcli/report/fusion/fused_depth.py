@@ -90,13 +90,14 @@ def scalar(array: np.ndarray) -> float:
 def _verdict(fused: PicturedMap) -> Markup:
     a = fused.arrays
     (height, width), count = a["depth"].shape, len(a["views"])
-    observed = np.count_nonzero(a["observations"]) / a["observations"].size
+    observed, supported = (np.count_nonzero(mask) / mask.size for mask in (a["observations"], _supported(a)))
     views = f"{count} views" if count > 1 else "one view"
     noise = {"depth": fused.unit, "disparity": "px", "inverse depth": f"1/{fused.unit}"}[text(a["domain"])]
     words = (
         f"{width} × {height} pixels fused from {views} by {text(a['method'])} "
         f"on {text(a['domain'])}, λ = {number(scalar(a['lambda']))}. "
-        f"Noise scale {with_unit(scalar(a['noise_scale']), noise)}; {percent(observed)} of the pixels observed."
+        f"Noise scale {with_unit(scalar(a['noise_scale']), noise)}; {percent(observed)} of the pixels observed"
+        + (f", {percent(supported)} near the map; the rest is filled." if supported < observed else ".")
     )
     return join(words, *_gain(fused))
 
@@ -138,7 +139,7 @@ def _notices(fused: PicturedMap) -> list[Markup]:
 def _maps(fused: PicturedMap) -> Markup:
     a, widest = fused.arrays, fused.widest
     confidence = _confidence_scale(a["confidence"])
-    seen = np.where(a["observations"] > 0, a["observations"], np.nan).astype(np.float32)
+    seen = np.where(_supported(a), a["observations"], np.nan).astype(np.float32)
     count = Scale(0.0, float(max(1, len(a["views"]), a["observations"].max(initial=1))), "sea", whole=True)
     shown = [
         figure(draw(a["reference"], fused.depth, widest), "Reference view", "as it was given", scale=fused.depth),
@@ -155,11 +156,17 @@ def _maps(fused: PicturedMap) -> Markup:
         figure(
             draw(a["confidence"], confidence, widest), "Confidence", "Λ, relative to the noise scale", scale=confidence
         ),
-        figure(draw(seen, count, widest), "Observations", "per pixel; hatched: none, in-painted", scale=count),
+        figure(draw(seen, count, widest), "Observations", "per pixel; hatched: none near the map, filled", scale=count),
         *_companion(fused),
     ]
     lead = "All depth maps share one scale: the 1st to the 99th percentile of the fused map. Hatched grey is missing."
     return section("Maps", gallery(*shown, columns=columns_for(fused.aspect, len(shown))), lead=lead)
+
+
+def _supported(arrays: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Where the map rests on observations (h, w); artefacts of before it could tell have only their number."""
+    seen: np.ndarray = arrays["observations"] > 0
+    return seen & (arrays["filled"] == 0) if "filled" in arrays else seen
 
 
 def _companion(fused: PicturedMap) -> list[Markup]:

@@ -26,6 +26,7 @@ from ipcli.measurements.views import View, Views
 from ipcli.models.fusion.assessment import error_table, view_table
 from ipcli.models.fusion.checks import convergence_warnings, geometry_warnings
 from ipcli.models.fusion.fuse import Fused, fuse
+from ipcli.models.fusion.holes import SEEN
 from ipcli.models.fusion.parameters import METHODS, Fusion, Variant
 from ipcli.models.fusion.tiles import fuse_in_tiles, side_of_tiles
 from ipcli.params import Run
@@ -39,7 +40,8 @@ from ipcli.stages.kit.summary import of_result
 
 log = logging.getLogger(__name__)
 SUMMED_UP = (
-    "fused_into", "views", "view_overlap", "observations", "noise_scale", "unit", "domain", "history", "warnings",
+    "fused_into", "views", "view_overlap", "observations", "filled", "noise_scale", "unit", "domain", "history",
+    "warnings",
 )  # fmt: skip
 LEAST_OVERLAP = 1e-3  # share of the reference a view other than it must reach to count as overlapping
 
@@ -71,7 +73,8 @@ def summary(output: Path) -> dict[str, Any]:
         "views": len(found["views"]),
         "noise": f"{found['noise_scale']:.3g} {unit} ({domain})",
         "overlap": f"{found['view_overlap'].min():.0%} to {found['view_overlap'].max():.0%} of the reference",
-        "observed": f"{(found['observations'] > 0).mean():.1%} of the pixels; the rest is filled in",
+        "observed": f"{(found['observations'] > 0).mean():.1%} of the pixels",
+        "filled": f"{(found['filled'] > 0).mean():.1%} of the pixels, where no view supports the map",
     }
     if len(history):
         facts["relative_gap"] = f"{history[-1, 3]:.2g} at the end"
@@ -177,6 +180,7 @@ def map_arrays(fused: Fused, reference: View, source: Views, domain: str, fusion
     algorithm = fusion.algorithm if METHODS[fusion.method].adaptive else None
     arrays = {
         "depth": fused.depth,
+        "filled": fused.filled,
         "confidence": fused.confidence,
         "uncertainty": fused.uncertainty,
         "normals": fused.normals,
@@ -210,11 +214,11 @@ def no_overlap(reference: str, table: Mapping[str, np.ndarray], unit: str) -> st
 
 
 def write_mesh(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """Write the surface in world coordinates with normals, colours, confidence and observations, only where there were
-    observations.
+    """Write the surface in world coordinates with normals, colours, confidence and observations, only where
+    observations support it.
     """
     world_from_cam = np.linalg.inv(arrays["cam_from_world"])
-    keep = (arrays["observations"] > 0) & np.isfinite(arrays["depth"]) & np.isfinite(arrays["normals"]).all(axis=-1)
+    keep = (arrays["filled"] == SEEN) & np.isfinite(arrays["depth"]) & np.isfinite(arrays["normals"]).all(axis=-1)
     pixels, faces = triangulate(arrays["depth"], keep)
     points = transform(world_from_cam, back_project(arrays["depth"], arrays["intrinsics"]).reshape(-1, 3)[pixels])
     normals = arrays["normals"].reshape(-1, 3)[pixels] @ world_from_cam[:3, :3].T

@@ -11,6 +11,7 @@ import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
 from ipcli.io.files import h5, ply
+from ipcli.models.fusion.holes import SEEN
 from ipcli.models.fusion.merge import Cloud, FusedMap, depth_noise, merge
 from ipcli.params import Run
 from ipcli.stages.fusion.parameters import MergeDepth
@@ -22,6 +23,7 @@ NEEDED = {
     "confidence",
     "normals",
     "observations",
+    "filled",
     "intrinsics",
     "cam_from_world",
     "image",
@@ -80,9 +82,10 @@ def read_unit(files: Sequence[Path]) -> str:
 
 
 def read_map(path: Path) -> FusedMap:
-    """The fused map in a `fused-depth` artefact, where it was observed, with the noise of its observations."""
+    """The fused map in a `fused-depth` artefact, where observations support it, with the noise of these."""
     arrays = h5.read(path, "fused-depth", only=lambda name: name in NEEDED).arrays
-    depth = np.where(arrays["observations"] > 0, arrays["depth"], np.float32(np.nan))
+    observed = (arrays["observations"] > 0) & (arrays.get("filled", SEEN) == SEEN)
+    depth = np.where(observed, arrays["depth"], np.float32(np.nan))
     noise = depth_noise(depth, arrays["view_residual"], inverse=str(arrays["domain"]) != "depth")
     same = ("confidence", "observations", "normals", "intrinsics", "cam_from_world")
     return FusedMap(depth, noise=noise, image=arrays.get("image"), **{name: arrays[name] for name in same})

@@ -42,12 +42,12 @@ def test_a_view_that_reaches_nothing_has_no_residual_and_thumbnails_are_small(vi
     assert table["thumbnails"].shape == (5, 7, 10)
 
 
-def test_errors_are_told_of_the_inputs_and_of_the_map_with_and_without_what_it_in_painted(views, fused):
+def test_errors_are_told_of_the_inputs_and_of_the_map_with_and_without_what_fills_it(views, fused):
     assert assessment.error_table(fused, replace(views[2], truth=None), None) == {}
     seen = fused.observations.copy()
     seen[:, :8] = 0
     found = assessment.error_table(replace(fused, observations=seen), views[2], None)
-    assert list(found["metric_rows"]) == ["reference", "mean", "median", "fused", "fused, in-painted"]
+    assert list(found["metric_rows"]) == ["reference", "mean", "median", "fused", "fused, filled"]
     error = np.where(seen > 0, fused.depth, np.nan) - views[2].truth
     assert found["ause"] == pytest.approx(ause(fused.confidence, error))
     assert found["ause_uncertainty"] == pytest.approx(ause(-fused.uncertainty, error))

@@ -1,9 +1,8 @@
-"""Error figures by hand, and the background interpolation against the loops of the KITTI development kit."""
+"""Error figures by hand."""
 
-import hypothesis.extra.numpy as nps
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ipcli.models.fusion.metrics import (
@@ -11,7 +10,6 @@ from ipcli.models.fusion.metrics import (
     compare,
     depth_errors,
     disparity_errors,
-    interpolate_background,
     normal_error,
 )
 from tests.fixtures.fusion_scenes import camera
@@ -73,60 +71,12 @@ def test_disparities_are_counted_with_the_gaps_filled_and_where_all_are_seen():
     ).all()
 
 
-def development_kit(disparity):
-    """interpolateBackground of the KITTI stereo development kit, loop by loop; -1 stands for invalid there."""
-    d = np.where(np.isfinite(disparity), disparity, -1)
-    height, width = d.shape
-    for v in range(height):
-        count = 0
-        for u in range(width):
-            if d[v, u] < 0:
-                count += 1
-                continue
-            if count >= 1:
-                u1, u2 = u - count, u - 1
-                if u1 > 0 and u2 < width - 1:
-                    d[v, u1 : u2 + 1] = min(d[v, u1 - 1], d[v, u2 + 1])
-            count = 0
-        for u in range(width):  # extrapolate to the left
-            if d[v, u] >= 0:
-                d[v, :u] = d[v, u]
-                break
-        for u in reversed(range(width)):  # and to the right
-            if d[v, u] >= 0:
-                d[v, u + 1 :] = d[v, u]
-                break
-    for u in range(width):
-        for v in range(height):  # to the top
-            if d[v, u] >= 0:
-                d[:v, u] = d[v, u]
-                break
-        for v in reversed(range(height)):  # and to the bottom
-            if d[v, u] >= 0:
-                d[v + 1 :, u] = d[v, u]
-                break
-    return np.where(d < 0, np.nan, d)
-
-
-maps = nps.arrays(
-    np.float32, nps.array_shapes(min_dims=2, max_dims=2, max_side=7), elements=st.integers(0, 9) | st.just(np.nan)
-)
-
-
-@given(maps)
-def test_background_interpolation_is_that_of_the_kitti_development_kit(disparity):
-    assume(np.isfinite(disparity).any())
-    filled, kit = interpolate_background(disparity), development_kit(disparity)
-    reached = np.isfinite(kit)  # the kit leaves empty rows between full ones
-    np.testing.assert_array_equal(filled[reached], kit[reached])
-    assert np.isfinite(filled).all()
-    empty = ~reached.any(axis=1)
-    for row in np.flatnonzero(empty):  # here they take the row above
-        np.testing.assert_array_equal(filled[row], filled[row - 1])
-
-
-def test_nothing_stays_nothing():
-    assert np.isnan(interpolate_background(np.full((3, 4), np.nan))).all()
+def test_a_map_with_a_filling_of_its_own_is_judged_by_it():
+    truth = np.tile(np.array([3, 3, 3, 3, 1.0], np.float32), (3, 1))  # disparities of 10 and 30
+    sparse, own = truth.copy(), truth.copy()
+    sparse[:, 3], own[:, 3] = np.nan, 2.0  # a disparity of 15, where the background's is right
+    _, rows = compare({"own": sparse, "kit": sparse}, truth, camera((3, 5)), 30.0, None, {"own": own})
+    np.testing.assert_allclose(rows[:, -3:], [[20, 1, 0], [0, 0, 0]], atol=1e-5)
 
 
 def test_the_ause_of_three_pixels_by_hand():
