@@ -3,6 +3,8 @@
 #   make experiments/brdf-mit         five objects of MIT-Berkeley's intrinsic images (table 7.2)
 #   make experiments/brdf-diligent    six objects of DiLiGenT, photographs under five mixes of lights
 #   make experiments/brdf-synthetic   five objects of our own making in every material of the library (table 7.1)
+#   make experiments/brdf-painted     the same objects under four kinds of paint: what texture does
+#   make experiments/brdf-reliefs     bowls and domes under light from above, the side and below: which way it bends
 #   make experiments/brdf-development cup1, meshes and sheets in measured materials under real probes: what all was chosen on
 #   make experiments/brdf-materials   which material, metal or not: held-out surfaces under held-out lights
 # QUICK=1 takes generated scenes in place of the data sets, a small library and few cases. Parameters were chosen on MIT's cup1 and on generated scenes.
@@ -10,7 +12,7 @@
 BRDF_LIST := sample_data/brdf/materials.toml
 BRDF_LIBRARY := build/experiments/brdf-library$(SUFFIX).h5
 BRDF_EFFORT := $(if $(QUICK),--lights 12 --scenes 120 --pictures 40)
-BRDF_STUDIES := mit diligent synthetic development materials
+BRDF_STUDIES := mit diligent synthetic painted reliefs development materials
 
 .PHONY: $(BRDF_STUDIES:%=experiments/brdf-%)
 $(BRDF_STUDIES:%=experiments/brdf-%): experiments/brdf-%: build/experiments/brdf-%$(SUFFIX)/index.html
@@ -19,5 +21,5 @@ $(BRDF_STUDIES:%=experiments/brdf-%): experiments/brdf-%: build/experiments/brdf
 $(BRDF_LIBRARY): $(BRDF_LIST) $(INSTALLED)
 	$(BIN)/ipcli brdf-train $< $(BRDF_EFFORT) --executor $(EXECUTOR) -o $@ --overwrite
 
-build/experiments/brdf-%$(SUFFIX)/index.html: $(BRDF_LIBRARY) experiments/brdf/page.py experiments/brdf/scenes.py experiments/brdf/development.py
+build/experiments/brdf-%$(SUFFIX)/index.html: $(BRDF_LIBRARY) experiments/brdf/page.py $(wildcard experiments/brdf/*.py)
 	$(BIN)/python -m experiments.brdf.page $(QUICKLY) $* --library $< --data $(DATA) -o $(@D)

@@ -28,6 +28,7 @@ class Case:
     mask: np.ndarray  # (h, w)
     normals: np.ndarray  # (h, w, 3), NaN unknown
     height: np.ndarray | None  # (h, w) pixels, NaN unknown
+    kind: str = "All cases"  # what is summed up by itself
 
 
 def _cut(mask: np.ndarray) -> tuple[slice, slice]:

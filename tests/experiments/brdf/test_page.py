@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.ndimage import label
 
-from experiments.brdf import page, scenes
+from experiments.brdf import page, painted, reliefs, scenes
+from ipcli.rng import stream
 
 NONE = [0.3, 0.3, 2.0, np.nan]
 ORACLES = {"true rim": NONE, "true map, as a solid": NONE}
@@ -17,16 +18,16 @@ ROWS = {
 
 
 def test_means_are_geometric_for_mit_and_count_what_is_worse():
-    lines = {line[0]: line for line in page.summary("mit", ROWS, {})}
+    lines = {line[0]: line for line in page.summary("mit", ROWS)}
     assert lines["ours"][1] == "0.2"
     assert lines["ours"][3] == "2"
     assert lines["ours"][4:] == ["+0 %", "1 of 2"]
-    lines = {line[0]: line for line in page.summary("diligent", ROWS, {})}
+    lines = {line[0]: line for line in page.summary("diligent", ROWS)}
     assert lines["ours"][1] == "0.25"
 
 
 def test_what_was_measured_is_written(tmp_path):
-    page.write(tmp_path, "mit", ROWS, {"a": "x", "b": "y"})
+    page.write(tmp_path, "mit", ROWS, {"a": "x", "b": "y"}, dict.fromkeys(ROWS, "All cases"))
     assert len((tmp_path / "errors.csv").read_text().splitlines()) == 11
     assert "NaN" not in (tmp_path / "errors.json").read_text()
     assert "worse by 2" in (tmp_path / "index.html").read_text(encoding="utf-8")
@@ -38,3 +39,27 @@ def test_objects_of_our_own_are_whole(name):
     assert label(made.mask)[1] == 1
     assert made.mask.mean() > 0.1
     assert np.isfinite(made.height[made.mask]).all()
+
+
+@pytest.mark.parametrize("paint", painted.PAINTS)
+def test_paint_darkens_and_only_marble_has_no_edges(paint):
+    albedo = painted.albedo(paint, (80, 100), stream(1, "paint", paint))
+    assert albedo.shape == (80, 100, 3)
+    assert 0.3 <= albedo.min() < 0.6 < 0.8 < albedo.max() <= 1
+    steps = np.abs(np.diff(albedo, axis=1)).max()
+    assert (steps < 0.2) == (paint == "marble")
+
+
+def test_a_bowl_is_the_cast_of_its_dome_and_either_is_on_the_right_side_of_itself():
+    outline = next(reliefs.outlines())
+    dome, bowl = reliefs.relief(outline, True), reliefs.relief(outline, False)
+    np.testing.assert_allclose(bowl.height, -dome.height)
+    assert reliefs.right_side(dome.height, dome) == reliefs.right_side(3 * bowl.height + 7, bowl) == 1
+    assert reliefs.right_side(dome.height, bowl) == 0
+
+
+def test_relief_under_light_from_above_is_told_and_written(tmp_path):
+    found = [reliefs.Told("dome", "above", 0.9, 1.0, True), reliefs.Told("bowl", "side", 0.2, 0.0, False)]
+    page.write_reliefs(tmp_path, found)
+    assert len((tmp_path / "reliefs.csv").read_text().splitlines()) == 3
+    assert "90 %" in (tmp_path / "index.html").read_text(encoding="utf-8")

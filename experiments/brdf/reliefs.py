@@ -1,0 +1,93 @@
+"""Bowls and domes of one outline each under lights from above, from below and from the side: which way does it bend?
+
+One picture does not tell; `--relief light-above` takes the answer whose light comes from above, and is to be right
+where the light does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ipcli.models.brdf import scenes as generated
+from ipcli.models.brdf.grid import inflate, normals
+from ipcli.models.brdf.library import Library
+from ipcli.models.brdf.parameters import Inference
+from ipcli.models.brdf.reconstruct import reconstruct
+from ipcli.models.brdf.reflectance import chart_normals
+from ipcli.models.brdf.surfaces import ImplicitSurface
+from ipcli.rng import stream
+from ipcli.stages.brdf.brdf_model import TIE
+
+LIGHTS = ("above", "side", "below")
+SIDE = 96
+
+
+@dataclass(frozen=True)
+class Told:
+    """What was found of one relief under one light."""
+
+    name: str
+    light: str
+    right: float  # share of the area on the right side of the rim's plane, by `light-above`
+    convex: float  # the same when everything is taken to be convex
+    ties: bool  # whether it is reported that the picture does not tell
+
+
+def measured(shelf: Library, quick: bool) -> Iterator[Told]:
+    """Every relief under every light."""
+    for outline in list(outlines())[: 1 if quick else None]:
+        for is_dome in (True, False):
+            made = relief(outline, is_dome)
+            for light in LIGHTS:
+                yield told(made, light, shelf)
+
+
+def told(made: ImplicitSurface, light: str, shelf: Library) -> Told:
+    """The sign of a relief under a light of the library that comes from there."""
+    rng = stream(7, "relief", f"{made.name} {light}")
+    chart = shelf.charts[int(rng.choice(from_where(shelf, light)))]
+    picture = generated.photograph(made, chart, rng)
+    params = replace(Inference(), rim="solid")
+    above = reconstruct(picture, made.mask, shelf, replace(params, relief="light-above"))
+    convex = reconstruct(picture, made.mask, shelf, params)
+    right, always = (right_side(found.height, made) for found in (above, convex))
+    return Told(made.name, light, right, always, abs(above.tie) < TIE)
+
+
+def right_side(height: np.ndarray, made: ImplicitSurface) -> float:
+    """Share of the mask where a height (h, w) lies on the same side of its rim as the true one."""
+    from scipy.ndimage import binary_erosion
+
+    rim = made.mask & ~binary_erosion(made.mask)
+    sides = [np.sign(z - np.nanmedian(z[rim]))[made.mask & ~rim] for z in (height, made.height)]
+    return float((sides[0] == sides[1]).mean())
+
+
+def from_where(shelf: Library, light: str) -> np.ndarray:
+    """Indices of the charts of a library whose brightness leans up, down or, most of all, to a side."""
+    n = chart_normals(shelf.charts.shape[1])
+    grey = shelf.charts.mean(axis=-1)
+    lean_x, lean_y = ((grey * n[..., axis]).sum(axis=(1, 2)) for axis in (0, 1))
+    steep = np.abs(lean_y) > np.abs(lean_x)
+    return np.flatnonzero({"above": steep & (lean_y > 0), "below": steep & (lean_y < 0), "side": ~steep}[light])
+
+
+def relief(outline: np.ndarray, is_dome: bool) -> ImplicitSurface:
+    """A dome over an outline (s, s), or the bowl that is its cast."""
+    height = np.where(outline, (0.6 if is_dome else -0.6) * inflate(outline), np.nan)
+    name = f"{'dome' if is_dome else 'bowl'} of {int(outline.sum())} px"
+    return ImplicitSurface(outline, height, normals(np.nan_to_num(height), outline), False, name)
+
+
+def outlines() -> Iterator[np.ndarray]:
+    """Five outlines: a disc, two ellipses, a rounded square and a pear."""
+    axis = (np.arange(SIDE) + 0.5) / SIDE * 2 - 1
+    x, y = np.meshgrid(axis, -axis)
+    yield np.hypot(x, y) < 0.9
+    yield np.hypot(x / 0.9, y / 0.6) < 1
+    yield np.hypot(x / 0.55, y / 0.85) < 1
+    yield x**4 + y**4 < 0.8**4
+    yield np.hypot(x / (0.75 - 0.3 * y), y / 0.9) < 1
