@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.mocap.lie_group import WarpedPyramid
 from benchmarks.mocap.problem import by_group
 
 Clips = Sequence[np.ndarray]
@@ -59,6 +60,39 @@ class NearestFrames(FrameWise):
 
     def pool(self, scores: np.ndarray) -> np.ndarray:
         return np.exp(scores).mean(axis=0)
+
+
+class NearestMoves(FrameWise):
+    """k-NN on all joint positions and their change, which counts `weight` times; on positions alone where no change is
+    known.
+    """
+
+    def __init__(self, k: int, weight: float):
+        from sklearn.neighbors import KNeighborsClassifier
+
+        self.weight, self.model, self.still = weight, KNeighborsClassifier(k), KNeighborsClassifier(k)
+
+    def fit(self, clips: Clips, labels: np.ndarray) -> None:
+        self.classes = np.unique(labels)
+        frames, each = np.concatenate([flat(clip) for clip in clips]), np.repeat(labels, [len(clip) for clip in clips])
+        self.model.fit(self._weighed(frames), each)
+        self.still.fit(frames[:, : frames.shape[1] // 2], each)
+
+    def log_probabilities(self, frames: np.ndarray) -> np.ndarray:
+        moves, half = np.isfinite(frames).all(axis=1), frames.shape[1] // 2
+        found = np.empty((len(frames), len(self.classes)))
+        if moves.any():
+            found[moves] = self.model.predict_proba(self._weighed(frames[moves]))
+        if not moves.all():
+            found[~moves] = self.still.predict_proba(frames[~moves, :half])
+        return np.log(found + 1e-9)
+
+    def pool(self, scores: np.ndarray) -> np.ndarray:
+        return np.exp(scores).mean(axis=0)
+
+    def _weighed(self, frames: np.ndarray) -> np.ndarray:
+        half = frames.shape[1] // 2
+        return np.concatenate([frames[:, :half], self.weight * frames[:, half:]], axis=1)
 
 
 class Discriminant(FrameWise):
@@ -215,6 +249,7 @@ class Variational(Behaviours):
 OURS, POSES = "behaviours (ours)", "behaviours (ours), poses alone"
 SPREADS = (0.1, 0.3, 0.6)
 DTW = "DTW-1NN (stands in for DMW)"
+LIE_GROUP = "Lie group, DTW, Fourier pyramid, linear SVM (Vemulapalli et al.)"
 SKELETONS = ("positions", "reposed")  # the actor's own, or the common one
 METHODS: dict[
     str, tuple[type, tuple[dict[str, Any], ...]]
@@ -226,6 +261,15 @@ METHODS: dict[
         tuple(dict(by="motion", components=count, spread=spread) for count in (5, 10, 20) for spread in SPREADS),
     ),
     "k-NN of frames": (NearestFrames, tuple(dict(by=by, k=k) for by in SKELETONS for k in (1, 5, 15, 50))),
+    "k-NN of frames and their change": (
+        NearestMoves,
+        tuple(
+            dict(by=f"{by}+change", k=k, weight=weight)
+            for by in SKELETONS
+            for k in (1, 5, 15, 50)
+            for weight in (1.0, 3.0)
+        ),
+    ),
     "shrinkage LDA of frames": (
         Discriminant,
         tuple(dict(by=by, shrinkage=share) for by in SKELETONS for share in ("auto", 0.01, 0.1, 0.3, 0.6)),
@@ -246,6 +290,15 @@ METHODS: dict[
             for by in SKELETONS
             for window in (0.1, 0.2, 1.0)
             for normalised in (True, False)
+        ),
+    ),
+    LIE_GROUP: (
+        WarpedPyramid,
+        tuple(
+            dict(by=by, stride=2, levels=levels, cost=cost)
+            for by in ("lie-group", *SKELETONS)
+            for levels in (1, 3)
+            for cost in (0.1, 1.0, 10.0)
         ),
     ),
     "MiniRocket": (MiniRocket, tuple(dict(by=by, length=length) for by in SKELETONS for length in (32, 64, 128))),

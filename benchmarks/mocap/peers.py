@@ -107,7 +107,7 @@ def measure(
     for kind in kinds:
         asked = list(queries(problem, split, kind))
         truth = problem.labels[[clip for clip, _ in asked]]
-        questions = [clips[clip] if kind == "whole" else loose(clips[clip][frames]) for clip, frames in asked]
+        questions = [clips[clip] if kind == "whole" else loose(clips[clip][frames], by) for clip, frames in asked]
         with clock:
             answers = method.answer(questions)
         if kind == "whole":

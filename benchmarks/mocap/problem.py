@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.mocap.lie_group import relative_bones
+from ipcli.geometry.skeleton import NO_PARENT, Skeleton
 from ipcli.measurements.motions import mirrored
 from ipcli.models.mocap import features
 from ipcli.models.mocap.motions import Motions
@@ -17,6 +19,7 @@ from ipcli.stages.mocap.parameters import ClipReading
 from ipcli.stages.mocap.reading import read
 
 RATE = 30.0  # Hz
+CHANGE = 0.2  # s
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +45,11 @@ class LabelledClips:
     def described(self, by: str, train: np.ndarray, mirror: bool = False) -> list[np.ndarray]:
         """Each clip, or with `mirror` its mirror image, (n, j, 3) by `positions` on the actor's own skeleton of height
         1, or by `reposed` ones on the common skeleton of the clips train (c,) bool, from the root and facing one way;
-        or by ours (n, w): the features of all groups of joints side by side, of `poses` alone or with their `motion`.
+        (n, 2 j, 3) by `positions+change` or `reposed+change`, their change over CHANGE behind them; (n, ...) by
+        `lie-group`, where each bone lies as seen from each other, and the positions on the common skeleton; or by ours
+        (n, w): the features of all groups of joints side by side, of `poses` alone or with their `motion`.
         """
-        key = (by, b"" if by == "positions" else np.packbits(train).tobytes())
+        key = (by, b"" if by.startswith("positions") else np.packbits(train).tobytes())
         if key not in self._known:
             self._known.clear()
             self._known[key] = {}
@@ -64,10 +69,42 @@ class LabelledClips:
                 for clip in clips
             ]
         joints = np.unique(np.concatenate(list(groups.indices(self.motions.skeleton).values())))
-        own = [features.reference_lengths([clip], groups) if by == "positions" else common for clip in clips]
-        return [
+        own = [features.reference_lengths([clip], groups) if by.startswith("positions") else common for clip in clips]
+        placed = [
             filled(features.repose(clip, groups, lengths)[:, joints]) for clip, lengths in zip(clips, own, strict=True)
         ]
+        if by.endswith("+change"):
+            return [with_change(positions) for positions in placed]
+        if by == "lie-group":
+            starts, ends = bones(self.motions.skeleton, joints)
+            return [
+                np.concatenate(
+                    [relative_bones(p[:, starts], p[:, ends]), p.reshape(len(p), -1)], axis=1, dtype=np.float32
+                )
+                for p in placed
+            ]
+        return placed
+
+
+def with_change(positions: np.ndarray) -> np.ndarray:
+    """Positions (n, j, 3) and behind them their change over CHANGE, at the ends of a clip over what there is of it."""
+    reach = round(CHANGE * RATE / 2)
+    at = np.arange(len(positions))
+    after, before = np.minimum(at + reach, len(at) - 1), np.maximum(at - reach, 0)
+    return np.concatenate([positions, positions[after] - positions[before]], axis=1)
+
+
+def bones(skeleton: Skeleton, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """From which to which of some joints (j,) bones lead, as places in `joints`: to each from the nearest above it."""
+    place, found = {int(joint): index for index, joint in enumerate(joints)}, []
+    for joint, index in place.items():
+        above = skeleton.parents[joint]
+        while above != NO_PARENT and above not in place:
+            above = skeleton.parents[above]
+        if above != NO_PARENT:
+            found.append((place[above], index))
+    starts, ends = zip(*found, strict=True)
+    return np.array(starts), np.array(ends)
 
 
 def by_group(frames: np.ndarray) -> dict[str, np.ndarray]:
@@ -79,10 +116,12 @@ def by_group(frames: np.ndarray) -> dict[str, np.ndarray]:
     return found | ({MOTION: frames[:, 7 * groups :]} if frames.shape[1] > 7 * groups else {})
 
 
-def loose(frames: np.ndarray) -> np.ndarray:
-    """The same frames when nothing is known of what came before them and after: their motion is NaN."""
+def loose(frames: np.ndarray, by: str) -> np.ndarray:
+    """The same frames when nothing is known of what came before them and after: what tells of it is NaN."""
     found = frames.copy()
-    if frames.ndim == 2 and frames.shape[1] % 7:
+    if by.endswith("+change"):
+        found[:, frames.shape[1] // 2 :] = np.nan
+    if by == "motion":
         found[:, 7 * (frames.shape[1] // 14) :] = np.nan
     return found
 

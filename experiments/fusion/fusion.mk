@@ -5,6 +5,8 @@
 #   make experiments/fusion-kitti         KITTI stereo 2012, disparities of both cameras (tables 4.4, 4.5)
 #   make experiments/fusion-livingroom    ICL-NUIM living room, Laplace noise of 30 mm
 #   make experiments/fusion-kitchen       7-Scenes Kinect frames, a page to look at
+#   make experiments/fusion-defaults      what the defaults of fuse-depth rest on: each setting beside its neighbours, on DEVELOPMENT scenes
+#   make experiments/fusion-defaults-kitti   the same of the configuration kitti
 # Lambda is tuned for each method on the DEVELOPMENT scenes; the tables show the others.
 
 MESHES := build/meshes
@@ -82,6 +84,8 @@ OBJECTS := $(call experiment,fusion,objects)
 URBAN := $(call experiment,fusion,urban)
 KITTI := $(call experiment,fusion,kitti)
 LIVINGROOM := $(call experiment,fusion,livingroom)
+DEFAULTS := $(call experiment,fusion,defaults)
+DEFAULTS_KITTI := $(call experiment,fusion,defaults-kitti)
 KITCHEN := build/experiments/fusion-kitchen
 
 .PHONY: experiments/fusion-kitchen
@@ -174,3 +178,5 @@ $(OBJECTS)/index.html: $(addprefix $(OBJECTS)/,table.h5 tuning.h5) $(OBJECTS_TRI
 $(URBAN)/index.html: $(addprefix $(URBAN)/,table.h5 tuning.h5) $(URBAN_TRIALS) $(URBAN_SWEEPS)
 $(KITTI)/index.html: $(addprefix $(KITTI)/,table.h5 tuning.h5) $(KITTI_TRIALS)
 $(LIVINGROOM)/index.html: $(addprefix $(LIVINGROOM)/,table.h5 tuning.h5) $(LIVINGROOM_TRIALS)
+$(DEFAULTS)/index.html: $(OBJECTS_DEVELOPMENT:%=$(OBJECTS)/%.views.h5) $(URBAN_DEVELOPMENT:%=$(URBAN)/%.views.h5) $(LIVINGROOM_DEVELOPMENT:%=$(LIVINGROOM)/%.views.h5)
+$(DEFAULTS_KITTI)/index.html: $(KITTI_DEVELOPMENT:%=$(KITTI)/%.views.h5)

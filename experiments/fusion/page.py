@@ -10,6 +10,7 @@ from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
+from experiments.fusion import choices
 from experiments.fusion import experiment as report
 from experiments.fusion.experiment import FusionExperiment
 from experiments.kit import figures
@@ -119,10 +120,12 @@ def write_figures(folder: Path, e: FusionExperiment) -> None:
 
 def make(arguments: Arguments) -> Findings:
     """The page, the table and the figures of one experiment."""
+    if arguments.name in choices.CHOICES:
+        return choices.make(arguments)
     e = gather(arguments)
     about = {"scenes": [str(name) for name in e.table["scenes"]], "default": e.default}
     return Findings(report.page(e), rows_of(e), about, lambda folder: write_figures(folder, e))
 
 
 if __name__ == "__main__":
-    run(EXPERIMENTS, make)
+    run([*EXPERIMENTS, *choices.CHOICES], make)

@@ -105,9 +105,9 @@ def test_features_side_by_side_are_told_apart_and_loose_frames_have_no_motion(tm
     assert MOTION in parts
     assert {name: part for name, part in by_group(alone).items()}.keys() == parts.keys() - {MOTION}
     np.testing.assert_array_equal(np.concatenate(list(by_group(alone).values()), axis=1), alone)
-    np.testing.assert_array_equal(loose(alone), alone)
+    np.testing.assert_array_equal(loose(alone, "poses"), alone)
     np.testing.assert_array_equal(
-        np.isnan(loose(both)), np.arange(both.shape[1])[None] >= alone.shape[1] + np.zeros((len(both), 1))
+        np.isnan(loose(both, "motion")), np.arange(both.shape[1])[None] >= alone.shape[1] + np.zeros((len(both), 1))
     )
 
 

@@ -1,0 +1,135 @@
+"""The page of the experiments defaults and defaults-kitti: what settings of fuse-depth rest on, each by itself beside
+its neighbours, on the development scenes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from experiments.kit.arguments import Arguments
+from experiments.kit.run import Findings, page_of, quick_lead
+from ipcli.measurements.accuracy import mean_over_scenes
+from ipcli.models.fusion.parameters import Variant
+from ipcli.models.fusion.scenes import EstimatedMap, Scene
+from ipcli.params import find_config, resolve
+from ipcli.report.kit.numbers import number, percent
+from ipcli.report.kit.page import Markup, section, table
+from ipcli.stages.fusion.parameters import FuseDepth
+from ipcli.stages.fusion.sources import open_scene
+
+QUICK = 2  # values of a setting that a look takes
+REFERENCES = {"defaults-kitti": "10_left"}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A configuration, the measures that its settings are judged by, and the values that are tried of each."""
+
+    title: str
+    config: str | None
+    measures: tuple[str, ...]
+    tried: Mapping[str, tuple[float, ...]]
+
+
+CHOICES = {
+    "defaults": Choice(
+        "The defaults of fuse-depth",
+        None,
+        ("RMSE", "MAE", "N-MAE rad"),
+        {
+            "fusion.edges.gain": (0.0, 1.0, 2.0, 4.0),
+            "fusion.edges.width": (0.1, 0.3, 1.0),
+            "fusion.regulariser.alpha0": (2.0, 3.0, 4.5),
+            "fusion.confidence.shape": (1.5, 11.0, 21.0, 41.0),
+            "fusion.holes.believed": (3.0, 5.0, 8.0),
+            "fusion.holes.reach": (50.0, 100.0, 200.0),
+        },
+    ),
+    "defaults-kitti": Choice(
+        "The configuration kitti of fuse-depth",
+        "fuse-depth/kitti",
+        ("out-3 %", "D-avg px"),
+        {
+            "fusion.edges.image": (1.5, 3.0, 6.0),
+            "fusion.edges.gain": (0.0, 1.0, 2.0),
+            "fusion.regulariser.alpha1": (2.0, 4.0, 8.0),
+            "fusion.regulariser.alpha0": (8.0, 16.0, 32.0),
+            "fusion.holes.believed": (3.0, 5.0, 8.0),
+            "fusion.holes.reach": (50.0, 100.0, 200.0),
+        },
+    ),
+}
+
+
+def rows_of(scenes: Sequence[Scene], choice: Choice, quick: bool) -> list[dict[str, object]]:
+    """A row for each setting at each value, all others as the configuration has them: its measures over the scenes."""
+    config = find_config(Path(choice.config), "fuse-depth") if choice.config else None
+    shipped = {key: _value(resolve(FuseDepth, config=config), key) for key in choice.tried}
+    rows: list[dict[str, object]] = []
+    for key, values in choice.tried.items():
+        for value in [v for v in values if v != shipped[key]][: QUICK - 1 if quick else None] + [shipped[key]]:
+            params = resolve(FuseDepth, config=config, sets=[f"{key}={value!r}"])
+            found = [errors_of(scene, params) for scene in scenes]
+            columns = found[0][0]
+            means = mean_over_scenes(np.stack([row for _, row in found]), columns)
+            told = {measure: float(means[columns.index(measure)]) for measure in choice.measures}
+            rows.append({"setting": key, "value": value, "shipped": value == shipped[key]} | told)
+            print(key, value, *(f"{name} {figure:.4g}" for name, figure in told.items()), flush=True)
+    return sorted(rows, key=lambda row: (list(choice.tried).index(str(row["setting"])), row["value"]))
+
+
+def errors_of(scene: Scene, params: FuseDepth) -> tuple[list[str], np.ndarray]:
+    """Columns and figures of the fused map of a scene."""
+    variant = Variant(params.fusion.method, params.fusion.algorithm)
+    columns, rows = scene.errors({"fused": EstimatedMap.of(scene.fuse(variant, params.fusion))})
+    return columns, rows[0]
+
+
+def _value(params: object, key: str) -> float:
+    for name in key.split("."):
+        params = getattr(params, name)
+    assert isinstance(params, float)
+    return params
+
+
+def sections(rows: Sequence[Mapping[str, object]], choice: Choice) -> list[Markup]:
+    """A table for each setting: how far each measure is from that of the shipped value."""
+    parts = []
+    for key in choice.tried:
+        mine = [row for row in rows if row["setting"] == key]
+        own = next(row for row in mine if row["shipped"])
+        lines = [
+            (
+                number(float(str(row["value"]))) + (" (shipped)" if row["shipped"] else ""),
+                *(f"{number(_figure(row, m))} ({_change(row, own, m)})" for m in choice.measures),
+            )
+            for row in mine
+        ]
+        parts.append(section(key, table(("Value", *choice.measures), lines)))
+    return parts
+
+
+def _figure(row: Mapping[str, object], measure: str) -> float:
+    return float(str(row[measure]))
+
+
+def _change(row: Mapping[str, object], own: Mapping[str, object], measure: str) -> str:
+    change = _figure(row, measure) / _figure(own, measure) - 1
+    return f"{'+' if change >= 0 else '−'}{percent(abs(change))}"
+
+
+def make(given: Arguments) -> Findings:
+    """Try all values on all scenes: the page and the table of what they give."""
+    choice = CHOICES[given.name]
+    scenes = [open_scene(path, REFERENCES.get(given.name), "auto") for path in given.files]
+    rows = rows_of(scenes, choice, given.quick)
+    lead = (
+        f"Each setting by itself, all others as they are shipped, on {len(scenes)} development scenes; means over the "
+        "scenes, and in brackets how far that is from the shipped value's. None of them is in a table of results."
+    )
+    lead = (quick_lead("small generated scenes") if given.quick else "") + lead
+    return Findings(page_of("fusion", choice.title, lead, *sections(rows, choice)), rows, {"title": choice.title})
