@@ -72,6 +72,19 @@ class HeadRecording:
 
 
 @dataclass(frozen=True, eq=False)
+class PictureModel:
+    """Points of a scene and the pictures that show them, as structure from motion leaves them."""
+
+    points: np.ndarray  # (p, 3) float64, the model's unit
+    grey: np.ndarray  # (p,) uint8
+    poses: np.ndarray  # (k, 4, 4) cam_from_world of each picture
+    shown: tuple[np.ndarray, ...]  # (m,) points that each picture shows
+    pixels: tuple[np.ndarray, ...]  # (m, 2) where, pixel centres at integers
+    load: Callable[[int], np.ndarray]  # the picture (h, w) uint8
+    files: tuple[Path, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class Areas:
     """Named boxes, plane polygons and labelled points, in the frame of the world; metres.
 

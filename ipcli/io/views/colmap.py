@@ -14,6 +14,7 @@ import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.io.files import text
+from ipcli.io.files.colmap import read_model
 from ipcli.measurements.names import natural
 from ipcli.measurements.views import View, Views, check_view
 
@@ -155,19 +156,8 @@ def _pictures(folder: Path, kind: str) -> tuple[dict[str, _Picture], int]:
 
     Only plain arrays leave: pycolmap's objects die with the reconstruction.
     """
-    import pycolmap
-
     sparse = model_folder(folder)
-    check_counts(sparse)
-    try:
-        model = pycolmap.Reconstruction(str(sparse))
-    except (ValueError, IndexError, RuntimeError) as error:
-        raise FormatError(
-            sparse,
-            f"model cannot be read: {' '.join(str(error).split())[:120]}",
-            expected="cameras, images and points3D as .bin or .txt",
-            fix="Run `colmap image_undistorter` again",
-        ) from None
+    model = read_model(sparse, "Run `colmap image_undistorter` again")
     pictures, unposed = {}, 0
     for _, image in sorted(model.images.items()):
         if not image.has_pose:
@@ -189,22 +179,6 @@ def _pictures(folder: Path, kind: str) -> tuple[dict[str, _Picture], int]:
             folder / "images" / image.name, depth, np.array(camera.calibration_matrix()), size, pose
         )
     return pictures, unposed
-
-
-LEAST_BYTES = {"cameras": 24, "images": 65, "rigs": 8, "frames": 8, "points3D": 43}  # of an item of each binary file
-
-
-def check_counts(sparse: Path) -> None:
-    """FormatError for a binary model file too short for its own count: pycolmap would read on without end."""
-    for stem, least in LEAST_BYTES.items():
-        path = sparse / f"{stem}.bin"
-        if path.is_file():
-            size = path.stat().st_size
-            with path.open("rb") as stream:
-                count = int.from_bytes(stream.read(8), "little")
-            if size < 8 or count * least > size - 8:
-                got, fix = f"{size} bytes for {count} items", "Run `colmap image_undistorter` again"
-                raise FormatError(path, "cut or empty", expected=f"{least} bytes an item or more", got=got, fix=fix)
 
 
 def _view(name: str, picture: _Picture, with_image: bool) -> View:

@@ -1,20 +1,28 @@
-"""An earlier run's map to localise in: its points with their descriptors, and which of its frames saw which."""
+"""A map to localise in, of an earlier run or of somebody's structure from motion: points with their descriptors, and
+which frames or pictures saw which.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ipcli.errors import NoSolution
 from ipcli.geometry import lie
-from ipcli.models.gaze.features import StereoFeatures
+from ipcli.measurements.recording import PictureModel
+from ipcli.models.gaze.features import StereoFeatures, detect
+from ipcli.models.gaze.parameters import Detection
 from ipcli.models.gaze.retrieval import Album, learn_words
 from ipcli.models.gaze.scene_map import NONE, MapFrame, SceneMap
 
 WANTED = ("map/points", "map/descriptors", "map/sightings", "map/grey", "world_from_rig")
 SAMPLED = 8  # frames whose descriptors the words of the album are learnt from
+
+
+NEAR = 2.0  # pixels between a point of a model and a feature that is taken for it
+MORE = 4  # features looked for, in multiples of the points that a picture shows
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,16 +42,48 @@ def known_map(a: Mapping[str, np.ndarray]) -> KnownMap:
     scene.count = len(scene.points)
     for number in np.unique(sightings[:, 0]):
         mine = sightings[(sightings[:, 0] == number) & (sightings[:, 1] == 0)]
-        ids = np.unique(mine[:, 2])
-        pose = lie.se3_inverse(a["world_from_rig"][number])
-        if not len(ids) or not np.isfinite(pose).all():
-            continue
-        for point in ids:
-            scene.observers[point].append(len(scene.frames))
-        scene.frames.append(MapFrame(int(number), _nothing(), pose, ids))
+        _add_seen(scene, int(number), lie.se3_inverse(a["world_from_rig"][number]), np.unique(mine[:, 2]))
     if not scene.frames:
         raise NoSolution("the run of --map has no map: give one that localised its wearer in more than one camera")
     return KnownMap(scene, a["map/grey"])
+
+
+def map_of_model(model: PictureModel, p: Detection) -> KnownMap:
+    """The map of a structure-from-motion model, whose unit is taken for the metre.
+
+    Models keep no descriptors. Features are found on its pictures, and the one nearest to where a picture shows a point
+    (within `NEAR` pixels) describes it; the nearest of all pictures counts. NoSolution when no point gets one.
+    """
+    from scipy.spatial import cKDTree
+
+    descriptors = np.zeros((len(model.points), 128), np.uint8)
+    nearest = np.full(len(model.points), np.inf)
+    for k, (shown, pixels) in enumerate(zip(model.shown, model.pixels, strict=True)):
+        found, _, described = detect(model.load(k), replace(p, count=max(p.count, MORE * len(shown))))
+        if not len(found):
+            continue
+        distance, feature = cKDTree(found).query(pixels, distance_upper_bound=NEAR)
+        closer = np.flatnonzero(distance < nearest[shown])
+        nearest[shown[closer]], descriptors[shown[closer]] = distance[closer], described[feature[closer]]
+    known = np.isfinite(nearest)
+    if not known.any():
+        raise NoSolution("no point of the model is at a feature of its pictures: are they those it was made of?")
+    number = np.where(known, np.cumsum(known) - 1, NONE)
+    scene = SceneMap(model.points[known], descriptors[known], [[] for _ in range(known.sum())], [])
+    scene.count = len(scene.points)
+    for k, shown in enumerate(model.shown):
+        ids = np.unique(number[shown])
+        _add_seen(scene, k, model.poses[k], ids[ids != NONE])
+    return KnownMap(scene, model.grey[known])
+
+
+def _add_seen(scene: SceneMap, number: int, pose: np.ndarray, ids: np.ndarray) -> None:
+    """A frame that saw these points; none where it has no pose or saw nothing."""
+    if not len(ids) or not np.isfinite(pose).all():
+        return
+    for point in ids:
+        scene.observers[point].append(len(scene.frames))
+    scene.frames.append(MapFrame(number, _nothing(), pose, ids))
 
 
 def album_of(scene: SceneMap, rng: np.random.Generator) -> Album:

@@ -50,13 +50,17 @@ def align(
     slope = (beside[0].astype(np.float64) - beside[1]) / 2
     middle = ideal.mean(axis=0)
     normal, gain = start.copy(), 1.0
+
+    def looked(beside: float) -> np.ndarray:
+        """Grey levels of the right picture so many pixels beside where it is taken to show the patch."""
+        maps = (at + np.float32(beside))[None], v[None] - np.float32(top)
+        return cv2.remap(strip, *maps, cv2.INTER_LANCZOS4, borderMode=cv2.BORDER_REPLICATE)[0].astype(np.float64)
+
     for turn in range(ROUNDS + 1):
         at = (u - base * (ideal @ normal)).astype(np.float32)
         if at.min() < 1 or at.max() > right.shape[1] - 2:
             return None
-        other = cv2.remap(
-            strip, at[None], v[None] - np.float32(top), cv2.INTER_LANCZOS4, borderMode=cv2.BORDER_REPLICATE
-        )[0].astype(np.float64)  # fmt: skip
+        other = looked(0.0)
         design = np.column_stack([-base * gain * slope[:, None] * ideal, -seen, -np.ones(len(seen))])
         solved, _, rank, _ = np.linalg.lstsq(design, -other, rcond=1e-9)
         if rank < design.shape[1]:
@@ -69,26 +73,40 @@ def align(
     spread = float(np.std(other))
     if moved > TRUST or not np.isfinite(normal).all() or rest.std() > spread * np.sqrt(1 - ALIKE**2):
         return None
-    return Plane(normal, _covariance(design, rest, pixels)[:3, :3])
+    response = design.copy()
+    response[:, :3] = -base * ((looked(1.0) - looked(-1.0)) / 2)[:, None] * ideal
+    covariance = _covariance(design, response, rest, pixels)[:3, :3]
+    if not np.linalg.eigvalsh(covariance)[0] > 0:
+        return None
+    return Plane(normal, covariance)
 
 
-def _covariance(design: np.ndarray, rest: np.ndarray, pixels: np.ndarray) -> np.ndarray:
-    """Covariance of a least-squares fit whose errors (n,) at neighbouring pixels (n, 2) are alike (Conley 1999).
+def _covariance(design: np.ndarray, response: np.ndarray, rest: np.ndarray, pixels: np.ndarray) -> np.ndarray:
+    """Covariance of where `design` . `rest` = 0, when `rest` answers to the unknowns by `response` (n, k).
 
-    Interpolated pictures and a surface that is not quite a plane leave such errors; taken as independent they would
-    make it half of what it is. Weights fall linearly over `REACH` pixels along each axis.
+    Steps are weighed by the slopes of the left picture, the residual moves by those of the right one, and each holds
+    the noise of its own picture. Their product does not grow with it; the square of the left slopes would, and would
+    make the error too small. Errors (n,) of neighbouring pixels (n, 2) are alike (interpolation, a surface that is not
+    quite a plane), by as much as they are on the whole patch: what `rest` tells of pairs up to `REACH` pixels apart.
     """
-    from scipy.ndimage import correlate1d
-
-    inverse = np.linalg.inv(design.T @ design)
-    corner = pixels.min(axis=0)
-    columns, rows = (pixels - corner).T
-    scores = np.zeros((rows.max() + 1, columns.max() + 1, design.shape[1]))
-    scores[rows, columns] = design * rest[:, None]
-    weights = 1 - np.abs(np.arange(-REACH, REACH + 1)) / (REACH + 1)
-    around = scores
-    for axis in range(2):
-        around = correlate1d(around, weights, axis=axis, mode="constant")
-    middle = np.einsum("vua,vub->ab", scores, around)
+    columns, rows = (pixels - pixels.min(axis=0)).T
+    shape = rows.max() + 1, columns.max() + 1
+    errors, there, scores = np.zeros(shape), np.zeros(shape), np.zeros((*shape, design.shape[1]))
+    errors[rows, columns], there[rows, columns], scores[rows, columns] = rest, 1.0, design
+    middle = np.zeros((design.shape[1], design.shape[1]))
+    for down in range(-REACH, REACH + 1):
+        for right in range(-REACH, REACH + 1):
+            one, other = (_overlap(shape, sign * down, sign * right) for sign in (1, -1))
+            pairs = float((there[one] * there[other]).sum())
+            if pairs:
+                alike = float((errors[one] * errors[other]).sum()) / pairs
+                middle += alike * np.einsum("vua,vub->ab", scores[one], scores[other])
+    inverse = np.linalg.inv(design.T @ response)
     spare = len(rest) / (len(rest) - design.shape[1])
-    return spare * inverse @ (middle + middle.T) @ inverse / 2
+    return spare * inverse @ middle @ inverse.T
+
+
+def _overlap(shape: tuple[int, int], down: int, right: int) -> tuple[slice, slice]:
+    """The part of an array of `shape` that is left when it is moved so far."""
+    (height, width) = shape
+    return slice(max(down, 0), height + min(down, 0)), slice(max(right, 0), width + min(right, 0))

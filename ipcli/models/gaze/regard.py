@@ -63,6 +63,7 @@ def look(surface: Surface, origin: np.ndarray, direction: np.ndarray, p: Looking
     Depths around the ray that agree with most are taken for a plane. The gaze's error is carried over that plane, and
     over other surfaces as they are: at the rim of an object the region holds both. Along the ray the error is the
     plane's, not a pixel's: from the pictures' noise where the plane could be aligned to them, else `disparity_sigma`.
+    It is that of all the places where the gaze may be: a plane's tilt is known less well than its middle.
     """
     rays = cone(direction, np.radians(p.sigma))
     inverse = surface.meet(np.broadcast_to(origin, rays.shape), rays)
@@ -82,9 +83,9 @@ def look(surface: Surface, origin: np.ndarray, direction: np.ndarray, p: Looking
     point = o + length * d[0]
     flat = o + ((1 - plane.normal @ o) / (d @ plane.normal))[:, None] * d
     off = np.where(agree[:, None], flat, points)[known] - point
-    by_plane = point / (plane.normal @ d[0])  # derivative of the length by the normal, without its sign
-    depth_variance = float(by_plane @ plane.covariance @ by_plane)
-    covariance = off.T @ off / known.sum() + depth_variance * np.outer(d[0], d[0])
+    by_plane = flat / (d @ plane.normal)[:, None]  # derivative of each ray's length by the normal, without its sign
+    along = np.einsum("ni,ij,nj->n", by_plane, plane.covariance, by_plane)
+    covariance = off.T @ off / known.sum() + np.einsum("n,ni,nj->ij", along, d, d) / len(d)
     return Regard(turn.T @ point, turn.T @ covariance @ turn, HIT)
 
 

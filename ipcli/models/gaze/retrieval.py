@@ -22,8 +22,8 @@ class Album:
         """The signature of a picture: residuals to the nearest words, normalised a word and as a whole."""
         d = descriptors.astype(np.float32)
         nearest = (d @ self.words.T - 0.5 * np.square(self.words).sum(axis=1)).argmax(axis=1)
-        total = np.zeros_like(self.words)
-        np.add.at(total, nearest, d - self.words[nearest])
+        member = (nearest[:, None] == np.arange(len(self.words))).astype(np.float32)
+        total = member.T @ d - member.sum(axis=0)[:, None] * self.words  # sums of bytes: exact in float32
         total /= np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-9)
         return (total / max(float(np.linalg.norm(total)), 1e-9)).ravel()
 

@@ -14,8 +14,11 @@ from ipcli.stages.gaze.sources import open_source
 from ipcli.stages.kit.summary import of_result
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import numpy as np
 
+    from ipcli.models.gaze.known_map import KnownMap
     from ipcli.stages.kit.artefact import Outcome
 
 
@@ -24,13 +27,11 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
 
     NoSolution when no frame could be localised.
     """
-    from ipcli.io.files import h5
     from ipcli.io.gaze.areas_file import read_areas
     from ipcli.io.gaze.landmarks_file import read_landmarks
     from ipcli.models.gaze import world
     from ipcli.models.gaze.areas import attention
     from ipcli.models.gaze.experiment import experiment
-    from ipcli.models.gaze.known_map import WANTED, known_map
     from ipcli.stages.gaze import exports
     from ipcli.stages.kit.artefact import Job, make
     from ipcli.stages.kit.pages import page
@@ -41,16 +42,14 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
 
     if params.aoi is not None and recording.gaze is None:
         raise ParameterError("--aoi: there is no gaze to be on areas of interest")
-    extra = tuple(Path(name) for name in (params.aoi, params.world, params.map) if name is not None)
+    extra = tuple(Path(name) for name in (params.aoi, params.world) if name is not None)
     areas = read_areas(Path(params.aoi)) if params.aoi is not None else None
     marks = read_landmarks(Path(params.world)) if params.world is not None else None
 
-    earlier = None
-    if params.map is not None:
-        earlier = known_map(h5.read(Path(params.map), "gaze-experiment", only=lambda name: name in WANTED).arrays)
+    load_map, of_map = _earlier(params)
 
     def build() -> dict[str, np.ndarray]:
-        found = experiment(recording, params.localisation, run.seed, progress, earlier)
+        found = experiment(recording, params.localisation, run.seed, progress, load_map() if load_map else None)
         if marks is not None:
             found = world.laid_on(found, marks, with_scale=params.world_scale)
         if areas is not None:
@@ -60,8 +59,30 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
 
     beside = exports.beside(output, has_gaze=recording.gaze is not None, has_areas=areas is not None)
     beside |= page(output, "gaze-experiment")
-    job = Job(output, "gaze-experiment", "gaze-sfm", params, (*recording.files, *extra), beside)
+    job = Job(output, "gaze-experiment", "gaze-sfm", params, (*recording.files, *extra, *of_map), beside)
     return make(job, build, run)
+
+
+def _earlier(params: Params) -> tuple[Callable[[], KnownMap] | None, tuple[Path, ...]]:
+    """How the map to localise in is made, and its files. ParameterError for a model and its pictures without the other.
+
+    A run is read at once, so that one that is no map is told before any work.
+    """
+    from ipcli.io.files import h5
+    from ipcli.io.gaze.picture_model import read_picture_model
+    from ipcli.models.gaze import known_map
+
+    is_model = params.map is not None and Path(params.map).is_dir()
+    if is_model != (params.map_images is not None):
+        raise ParameterError("--map of a COLMAP model, a folder, and --map-images, its pictures, need each other")
+    if params.map is None:
+        return None, ()
+    path = Path(params.map)
+    if params.map_images is None:
+        found = known_map.known_map(h5.read(path, "gaze-experiment", only=lambda name: name in known_map.WANTED).arrays)
+        return lambda: found, (path,)
+    model = read_picture_model(path, Path(params.map_images))
+    return lambda: known_map.map_of_model(model, params.localisation.detection), model.files
 
 
 @of_result

@@ -15,8 +15,11 @@ class GazeSfm:
 
     poses_only: bool = option(False, "Only the head's path: no points of regard, no gaze.", flag="--poses-only")
     map: str | None = option(
-        None, "Run (run.h5) whose map and world to localise in, with one camera or more.", flag="--map"
+        None,
+        "Map and world to localise in, with one camera or more: a run (run.h5), or the folder of a COLMAP model.",
+        flag="--map",
     )
+    map_images: str | None = option(None, "Pictures of the COLMAP model of --map.", flag="--map-images")
     aoi: str | None = option(None, "Areas of interest: boxes or polygons (CSV), a labelled cloud (PLY).", flag="--aoi")
     aoi_margin: float = option(
         0.05, "How far from an area a point of regard still counts.", flag="--aoi-margin", low=0.0, unit="m"

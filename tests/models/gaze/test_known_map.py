@@ -8,9 +8,10 @@ import pytest
 from experiments.gaze import room
 from ipcli.errors import NoSolution
 from ipcli.geometry import lie
-from ipcli.measurements.recording import Frame
+from ipcli.measurements.recording import Frame, PictureModel
 from ipcli.models.gaze import evaluation, known_map, localise
 from ipcli.models.gaze.experiment import experiment
+from ipcli.models.gaze.features import detect
 from ipcli.models.gaze.parameters import Detection, Localisation, Looking
 from tests.fixtures.gaze_walks import walk
 
@@ -66,3 +67,18 @@ def test_a_run_without_descriptors_or_frames_is_no_map(earlier):
         known_map.known_map({name: value for name, value in a.items() if name != "map/descriptors"})
     with pytest.raises(NoSolution, match="no map"):
         known_map.known_map(a | {"map/sightings": np.empty((0, 3), np.int64)})
+
+
+def test_a_model_is_described_by_its_pictures_where_they_have_features():
+    image = walk(COURSE, 5).recording.load(0).left
+    found, _, described = detect(image, SETTINGS.detection)
+    pixels = np.concatenate([found[:60] + [1.0, 0.5], [[-50.0, -50.0]]])  # the last is at no feature
+    points = np.random.default_rng(0).normal(size=(len(pixels), 3))
+    poses, shown, none = np.eye(4)[None], (np.arange(len(pixels)),), np.zeros(len(pixels), np.uint8)
+    model = PictureModel(points, none, poses, shown, (pixels,), lambda k: image, ())
+    known = known_map.map_of_model(model, SETTINGS.detection)
+    np.testing.assert_array_equal(known.scene.points, points[:-1])
+    assert (known.scene.descriptors == described[:60]).all(axis=1).mean() > 0.8  # the rest have a nearer neighbour
+    assert known.scene.points_of([0]).tolist() == list(range(60))
+    with pytest.raises(NoSolution, match="no point of the model"):
+        known_map.map_of_model(replace(model, load=lambda k: np.zeros_like(image)), SETTINGS.detection)

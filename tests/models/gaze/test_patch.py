@@ -14,7 +14,7 @@ def _grey(u, v):
     return 120 + 40 * np.sin(0.31 * u + 0.12 * v) + 30 * np.sin(0.13 * u - 0.4 * v + 1) + 20 * np.cos(0.7 * u + 0.2 * v)
 
 
-def _pair(rng, noise):
+def _pair(rng, noise, strength=1.0):
     v, u = np.indices((60, 100), dtype=float)
     ideal = np.stack([(u - 50) / FOCAL, (v - 30) / FOCAL, np.ones_like(u)], axis=-1)
     left = _grey(u, v)
@@ -22,6 +22,7 @@ def _pair(rng, noise):
     n = TRUE
     source = (u + BASE * (n[2] + n[1] * ideal[..., 1] - n[0] * 50 / FOCAL)) / (1 - BASE * n[0] / FOCAL)
     right = 0.9 * _grey(source, v) + 8
+    left, right = (120 + strength * (p - 120) for p in (left, right))
     pictures = [np.clip(np.rint(p + rng.normal(0, noise, p.shape)), 0, 255).astype(np.uint8) for p in (left, right)]
     rows, columns = np.mgrid[20:41, 45:66]
     pixels = np.stack([columns.ravel(), rows.ravel()], axis=1)
@@ -34,13 +35,21 @@ def test_the_plane_is_found_from_a_third_of_a_pixel_away_whatever_the_gain():
     assert np.abs(found.normal - TRUE).max() < 0.02
 
 
-def test_its_covariance_is_that_of_the_errors():
-    squares = []
-    for seed in range(60):
-        found = patch.align(*_pair(np.random.default_rng(seed), 3.0), BASE, TRUE + [0, 0, 0.2 / BASE])
+@pytest.mark.parametrize(("noise", "strength"), [(3.0, 1.0), (2.0, 0.2)])
+def test_its_covariance_is_that_of_the_errors(noise, strength):
+    """Where slopes are hardly more than noise too: those of one picture alone would claim half the variance."""
+    squares, sizes = [], []
+    for seed in range(120):
+        found = patch.align(*_pair(np.random.default_rng(seed), noise, strength), BASE, TRUE + [0, 0, 0.2 / BASE])
+        if found is None:  # what is left looks no more alike than pictures of different things
+            continue
         off = found.normal - TRUE
         squares.append(off @ np.linalg.solve(found.covariance, off))
-    assert 2.0 < np.mean(squares) < 4.5  # 3 degrees of freedom; cubic interpolation smooths the noise a little
+        middle = np.array([5 / FOCAL, 0, 1])
+        sizes.append((off @ middle) ** 2 / (middle @ found.covariance @ middle))
+    assert len(squares) > 100
+    assert 1.8 < np.mean(squares) < 4.0  # 3 degrees of freedom
+    assert 0.6 < np.mean(sizes) < 1.4  # of the disparity in the middle of the patch
 
 
 @pytest.mark.parametrize("far", [1.6, -3.0])

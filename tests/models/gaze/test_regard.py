@@ -7,6 +7,7 @@ from ipcli.geometry import lie
 from ipcli.measurements.recording import Gaze
 from ipcli.models.gaze import fixations, regard
 from ipcli.models.gaze.parameters import Looking
+from ipcli.models.gaze.patch import Plane
 from ipcli.models.gaze.surface import Surface
 from tests.fixtures.gaze_rig import stereo_rig
 
@@ -64,6 +65,17 @@ def test_the_covariance_is_that_of_repeated_gaze():
         off = target - found.point
         squares.append(off @ np.linalg.solve(found.covariance + 1e-8 * np.eye(3), off))
     assert np.mean(squares) == pytest.approx(2.0, abs=0.35)  # two degrees of freedom: hardly an error in depth
+
+
+def test_a_tilt_that_is_not_known_counts_where_the_truth_may_be(monkeypatch):
+    """A tilt alone does not move the point on the ray, but the places a degree beside it."""
+    tilt = 0.05  # 1 / metres: error of the inverse depth at one unit of normalised coordinates, across and down
+    aligned = Plane(np.array([0.0, 0.0, 1 / 3]), np.diag([tilt**2, tilt**2, 0.0]))
+    monkeypatch.setattr(Surface, "plane_around", lambda *given: aligned)
+    ahead = np.array([0.0, 0.0, 1.0])
+    found = regard.look(surface(np.full((480, 640), 1 / 3), 0.0), np.zeros(3), ahead, Looking(sigma=1.0))
+    depth = 3.0**2 * tilt * np.radians(1.0) * np.sqrt(2)  # z^2 times the inverse depth's error, both ways
+    assert np.sqrt(found.covariance[2, 2]) == pytest.approx(depth, rel=0.01)
 
 
 def test_the_pattern_is_a_standard_normal():

@@ -50,6 +50,28 @@ def test_pycolmap_opens_the_model_and_its_points_project_where_they_were_seen(ma
     assert np.median(errors) < 1.0  # pixels
 
 
+@pytest.mark.parametrize("cameras", [1, 2])
+def test_another_recording_is_localised_in_the_colmap_model_as_in_the_run(made, folder, tmp_path, capsys, cameras):
+    for name in ("cameras", "images", "points3D"):
+        (tmp_path / f"{name}.bin").write_bytes(made.with_suffix(f".{name}.bin").read_bytes())
+    (tmp_path / "pictures").mkdir()
+    (tmp_path / "pictures" / "left").symlink_to(folder / "cam0")
+    other = tmp_path / "other"
+    room.write_euroc(room.walk(COURSE, 3), other)
+    for place in (other / "cam1", other / "cam1_sensor.yaml") if cameras == 1 else ():
+        place.rename(other / f"no_{place.name}")
+    words = ["gaze-sfm", str(other), "--quiet", "--poses-only", "-o"]
+    images = ["--map-images", str(tmp_path / "pictures")]
+    assert main([*words, str(tmp_path / "a.h5"), "--map", str(tmp_path), *images]) == 0
+    assert main([*words, str(tmp_path / "b.h5"), "--map", str(made)]) == 0
+    a, b = (h5.read(tmp_path / f"{name}.h5", "gaze-experiment").arrays for name in "ab")
+    both = (a["lost"] == 0) & (b["lost"] == 0)
+    assert both.mean() > 0.6
+    assert np.linalg.norm((a["world_from_rig"] - b["world_from_rig"])[both, :3, 3], axis=1).max() < 0.03
+    assert main([*words, str(tmp_path / "c.h5"), "--map", str(tmp_path)]) == 2
+    assert "--map-images" in capsys.readouterr().err
+
+
 def test_the_csv_has_a_line_a_sample_and_the_cloud_all_its_parts(made):
     a = h5.read(made, "gaze-experiment").arrays
     lines = made.with_suffix(".por.csv").read_text().splitlines()
