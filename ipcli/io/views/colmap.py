@@ -6,17 +6,21 @@ scale of a reconstruction from images is arbitrary, so the unit is "colmap unit"
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.io.files import text
+from ipcli.io.files.guarded import MEMORY, ParserFailed, guarded
 from ipcli.measurements.names import natural
 from ipcli.measurements.views import View, Views, check_view
 
+SECONDS = 10.0  # of pycolmap for a small model
 DEPTH_KINDS = ("geometric", "photometric")  # the consistent maps first: they hold fewer outliers
 
 
@@ -151,60 +155,103 @@ def model_folder(folder: Path) -> Path:
 
 
 def _pictures(folder: Path, kind: str) -> tuple[dict[str, _Picture], int]:
-    """Registered images by name, and how many have no pose.
-
-    Only plain arrays leave: pycolmap's objects die with the reconstruction.
-    """
-    import pycolmap
-
+    """Registered images by name, and how many have no pose."""
     sparse = model_folder(folder)
     check_counts(sparse)
+    weight = sum(path.stat().st_size for path in sparse.iterdir() if path.is_file())
     try:
-        model = pycolmap.Reconstruction(str(sparse))
-    except (ValueError, IndexError, RuntimeError) as error:
+        cameras = guarded(model_cameras, str(sparse), seconds=SECONDS + weight / 1e7, memory=MEMORY + 20 * weight)
+    except ParserFailed as error:
         raise FormatError(
             sparse,
-            f"model cannot be read: {' '.join(str(error).split())[:120]}",
+            f"model cannot be read: {str(error)[:120]}",
             expected="cameras, images and points3D as .bin or .txt",
             fix="Run `colmap image_undistorter` again",
         ) from None
     pictures, unposed = {}, 0
-    for _, image in sorted(model.images.items()):
-        if not image.has_pose:
+    for name, camera in cameras:
+        if camera is None:
             unposed += 1
             continue
-        camera = image.camera
-        if camera.model.name not in ("PINHOLE", "SIMPLE_PINHOLE"):
+        model, size, intrinsics, cam_from_world = camera
+        if model not in ("PINHOLE", "SIMPLE_PINHOLE"):
             raise FormatError(
                 sparse,
-                f"camera of {image.name!r} has lens distortion",
+                f"camera of {name!r} has lens distortion",
                 expected="PINHOLE",
-                got=camera.model.name,
+                got=model,
                 fix="Give the output folder of `colmap image_undistorter`",
             )
-        pose = np.vstack([image.cam_from_world().matrix(), [0, 0, 0, 1]])
-        depth = folder / "stereo" / "depth_maps" / f"{image.name}.{kind}.bin"
-        size = (int(camera.width), int(camera.height))
-        pictures[image.name] = _Picture(
-            folder / "images" / image.name, depth, np.array(camera.calibration_matrix()), size, pose
-        )
+        depth = folder / "stereo" / "depth_maps" / f"{name}.{kind}.bin"
+        pictures[name] = _Picture(folder / "images" / name, depth, intrinsics, size, cam_from_world)
     return pictures, unposed
+
+
+Camera = tuple[str, tuple[int, int], np.ndarray, np.ndarray]  # COLMAP's model, width and height, intrinsics, pose
+
+
+def model_cameras(sparse: str) -> list[tuple[str, Camera | None]]:
+    """The images of a model by name, in order of their numbers, None for the camera of one without a pose.
+
+    Only for a child process (`guarded`): pycolmap loops or eats memory where a count inside a file is damaged.
+    """
+    import pycolmap
+
+    model = pycolmap.Reconstruction(sparse)
+    return [(image.name, _camera(image)) for _, image in sorted(model.images.items())]
+
+
+def _camera(image: Any) -> Camera | None:
+    """Plain arrays: pycolmap's objects die with the reconstruction."""
+    if not image.has_pose:
+        return None
+    camera, pose = image.camera, np.vstack([image.cam_from_world().matrix(), [0, 0, 0, 1]])
+    return camera.model.name, (int(camera.width), int(camera.height)), np.array(camera.calibration_matrix()), pose
 
 
 LEAST_BYTES = {"cameras": 24, "images": 65, "rigs": 8, "frames": 8, "points3D": 43}  # of an item of each binary file
 
 
 def check_counts(sparse: Path) -> None:
-    """FormatError for a binary model file too short for its own count: pycolmap would read on without end."""
+    """FormatError for a binary model file too short for its own counts: pycolmap would read on without end."""
     for stem, least in LEAST_BYTES.items():
         path = sparse / f"{stem}.bin"
         if path.is_file():
             size = path.stat().st_size
             with path.open("rb") as stream:
                 count = int.from_bytes(stream.read(8), "little")
-            if size < 8 or count * least > size - 8:
+            if size < 8 or count * least > size - 8 or (stem in ENDS and _end(path, count, ENDS[stem]) != size):
                 got, fix = f"{size} bytes for {count} items", "Run `colmap image_undistorter` again"
                 raise FormatError(path, "cut or empty", expected=f"{least} bytes an item or more", got=got, fix=fix)
+
+
+def _end(path: Path, count: int, item_end: Callable[[mmap, int], int]) -> int:
+    """Where `count` items end that tell their own lengths, or beyond the file."""
+    with path.open("rb") as stream, mmap(stream.fileno(), 0, access=ACCESS_READ) as data:
+        place = 8
+        for _ in range(count):
+            if place >= len(data):
+                return len(data) + 1
+            place = item_end(data, place)
+        return place
+
+
+def _image_end(data: mmap, start: int) -> int:
+    """Behind number, pose, camera, a name up to a zero, and a counted list of points of 24 bytes."""
+    name_end = data.find(b"\0", start + 64)
+    return name_end + 9 + 24 * _whole(data, name_end + 1, 8) if name_end >= 0 else len(data) + 1
+
+
+def _frame_end(data: mmap, start: int) -> int:
+    """Behind number, rig, pose, and a counted list of pictures of 16 bytes."""
+    return start + 68 + 16 * _whole(data, start + 64, 4)
+
+
+def _whole(data: mmap, start: int, size: int) -> int:
+    return int.from_bytes(data[start : start + size], "little")
+
+
+ENDS = {"images": _image_end, "frames": _frame_end}
 
 
 def _view(name: str, picture: _Picture, with_image: bool) -> View:
