@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.io.files import text
-from ipcli.io.files.colmap import read_model
+from ipcli.io.files.colmap import parsed
 from ipcli.measurements.names import natural
 from ipcli.measurements.views import View, Views, check_view
 
@@ -152,33 +153,43 @@ def model_folder(folder: Path) -> Path:
 
 
 def _pictures(folder: Path, kind: str) -> tuple[dict[str, _Picture], int]:
-    """Registered images by name, and how many have no pose.
-
-    Only plain arrays leave: pycolmap's objects die with the reconstruction.
-    """
+    """Registered images by name, and how many have no pose."""
     sparse = model_folder(folder)
-    model = read_model(sparse, "Run `colmap image_undistorter` again")
     pictures, unposed = {}, 0
-    for _, image in sorted(model.images.items()):
-        if not image.has_pose:
+    for name, camera in parsed(model_cameras, sparse, "Run `colmap image_undistorter` again"):
+        if camera is None:
             unposed += 1
             continue
-        camera = image.camera
-        if camera.model.name not in ("PINHOLE", "SIMPLE_PINHOLE"):
+        model, size, intrinsics, cam_from_world = camera
+        if model not in ("PINHOLE", "SIMPLE_PINHOLE"):
             raise FormatError(
                 sparse,
-                f"camera of {image.name!r} has lens distortion",
+                f"camera of {name!r} has lens distortion",
                 expected="PINHOLE",
-                got=camera.model.name,
+                got=model,
                 fix="Give the output folder of `colmap image_undistorter`",
             )
-        pose = np.vstack([image.cam_from_world().matrix(), [0, 0, 0, 1]])
-        depth = folder / "stereo" / "depth_maps" / f"{image.name}.{kind}.bin"
-        size = (int(camera.width), int(camera.height))
-        pictures[image.name] = _Picture(
-            folder / "images" / image.name, depth, np.array(camera.calibration_matrix()), size, pose
-        )
+        depth = folder / "stereo" / "depth_maps" / f"{name}.{kind}.bin"
+        pictures[name] = _Picture(folder / "images" / name, depth, intrinsics, size, cam_from_world)
     return pictures, unposed
+
+
+Camera = tuple[str, tuple[int, int], np.ndarray, np.ndarray]  # COLMAP's model, width and height, intrinsics, pose
+
+
+def model_cameras(sparse: str) -> list[tuple[str, Camera | None]]:
+    """The images of a model by name, in order of their numbers, None for the camera of one without a pose."""
+    import pycolmap
+
+    model = pycolmap.Reconstruction(sparse)
+    return [(image.name, _camera(image)) for _, image in sorted(model.images.items())]
+
+
+def _camera(image: Any) -> Camera | None:
+    if not image.has_pose:
+        return None
+    camera, pose = image.camera, np.vstack([image.cam_from_world().matrix(), [0, 0, 0, 1]])
+    return camera.model.name, (int(camera.width), int(camera.height)), np.array(camera.calibration_matrix()), pose
 
 
 def _view(name: str, picture: _Picture, with_image: bool) -> View:

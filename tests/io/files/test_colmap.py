@@ -3,18 +3,19 @@
 import pytest
 
 from ipcli.errors import FormatError
-from ipcli.io.files.colmap import read_model
+from ipcli.io.files.colmap import parsed
+from ipcli.io.views.colmap import model_cameras
 
 
 @pytest.mark.parametrize("content", [b"", (3).to_bytes(8, "little") + bytes(20)])
 def test_fewer_bytes_than_the_count_says(tmp_path, content):
     (tmp_path / "images.bin").write_bytes(content)
     with pytest.raises(FormatError, match="cut or empty") as caught:
-        read_model(tmp_path, "Do it again")
+        parsed(model_cameras, tmp_path, "Do it again")
     assert "Do it again" in str(caught.value)
 
 
 def test_a_folder_without_a_model(tmp_path):
     pytest.importorskip("pycolmap")
     with pytest.raises(FormatError, match="cannot be read"):
-        read_model(tmp_path, "Give another")
+        parsed(model_cameras, tmp_path, "Give another")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ipcli.errors import FormatError
+from ipcli.io.files import colmap as files
 from ipcli.io.files import images
 from ipcli.io.views.colmap import open_colmap, read_depth_map
 
@@ -111,6 +112,23 @@ def test_a_model_with_distortion_or_none_at_all_is_refused(workspace, views):
 def test_counts_that_a_file_cannot_hold_are_refused_before_the_native_parser(workspace, stem, content):
     (workspace / "sparse" / f"{stem}.bin").write_bytes(content)
     with pytest.raises(FormatError, match=rf"{stem}\.bin: cut or empty"):
+        open_colmap(workspace)
+
+
+@pytest.mark.parametrize("stem", ["images", "frames"])
+def test_a_file_cut_inside_an_item_is_refused_before_the_native_parser(workspace, stem):
+    path = workspace / "sparse" / f"{stem}.bin"
+    path.write_bytes(path.read_bytes()[:-5])
+    with pytest.raises(FormatError, match=rf"{stem}\.bin: cut or empty"):
+        open_colmap(workspace)
+
+
+def test_a_parser_that_does_not_end_is_stopped(workspace, monkeypatch):
+    monkeypatch.setattr(files, "check_counts", lambda folder, fix: None)
+    monkeypatch.setattr(files, "SECONDS", 1.0)
+    path = workspace / "sparse" / "frames.bin"
+    path.write_bytes(path.read_bytes()[:72] + b"\xff" * 4 + path.read_bytes()[76:])
+    with pytest.raises(FormatError, match=r"sparse: model cannot be read: its parser (took longer|asked for more)"):
         open_colmap(workspace)
 
 
