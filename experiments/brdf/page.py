@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.brdf import development, painted, reliefs, scenes
+from experiments.brdf import development, looks, painted, reliefs, scenes
 from experiments.brdf.scenes import Case
 from experiments.kit.tables import write_table
 from ipcli.io.files import atomic, h5
@@ -209,17 +209,27 @@ def write(
     )
 
 
-def materials(folder: Path, arrays: dict[str, np.ndarray]) -> None:
-    """What the library says of pictures of held-out surfaces under held-out probes."""
+def materials(folder: Path, arrays: dict[str, np.ndarray], quick: bool) -> None:
+    """What the library says of pictures of held-out surfaces under held-out probes, and what patches alone would."""
     right, metal = (float(v) for v in arrays["material_accuracy"])
     facts = {"material right": right, "metal or not right": metal, "rims right": float(arrays["rim_accuracy"])}
     atomic.write_text(folder / "accuracy.json", json.dumps(facts, indent=1) + "\n")
     rows = [(name, f"{100 * value:.1f} %") for name, value in facts.items()]
     print("  ".join(f"{name} {value}" for name, value in rows))
     part = section("Generated pictures", table(("Question", "right"), rows), lead=f"Bar: {BARS['materials']}.")
+    told = looks.shares(Library.of(arrays), arrays["is_metal"] > 0, quick)
+    ways = [(name, *(f"{100 * share:.1f} %" for share in pair)) for name, pair in told.items()]
+    print(*("  ".join(way) for way in ways), sep="\n")
+    write_table(folder / "looks.csv", [{"way": n, "material": m, "metal": k} for n, (m, k) in told.items()])
+    by_patches = section(
+        "By patches",
+        table(("Told by", "material", "metal or not"), ways),
+        lead="Codes of a stacked sparse autoencoder a material (thesis 7.2); surfaces and probes that neither coders nor "
+        "their spreads have seen. The last line has seen these probes.",
+    )
     atomic.write_text(
         folder / "index.html",
-        page("Materials from one picture", "experiments/brdf", "Surfaces and probes held out.", part),
+        page("Materials from one picture", "experiments/brdf", "Surfaces and probes held out.", part, by_patches),
     )
 
 
@@ -255,7 +265,7 @@ def main() -> None:
     given = parser.parse_args()
     arrays = h5.read(given.library, "brdf-library").arrays
     if given.study == "materials":
-        materials(given.output, arrays)
+        materials(given.output, arrays, given.quick)
         return
     shelf = Library.of(arrays)
     if given.study == "reliefs":
