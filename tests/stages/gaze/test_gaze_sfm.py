@@ -92,6 +92,18 @@ def test_the_page_says_what_there_is_and_loads_nothing(made):
     assert made.with_suffix(".turn.html").stat().st_size > 1e5
 
 
+def test_without_gaze_nothing_speaks_of_what_was_looked_at(folder, tmp_path, capsys):
+    run = tmp_path / "run.h5"
+    assert main(["gaze-sfm", str(folder), "-o", str(run), "--poses-only", "--stop", "3"]) == 0
+    out = capsys.readouterr().out
+    assert "points of regard: none" in out
+    assert "path length [m]: " in out
+    html = run.with_suffix(".html").read_text()
+    for words in ("What was looked at", "what they looked at", "points of regard (red)", "all points of regard"):
+        assert words not in html
+    assert "away from its start" in html
+
+
 def test_a_second_run_is_up_to_date(made, folder, capsys):
     before = made.stat().st_mtime_ns
     assert main(["gaze-sfm", str(folder), "-o", str(made), "--gaze-sigma", "0.71"]) == 0
