@@ -39,6 +39,14 @@ class Gaze:
 
 
 @dataclass(frozen=True, eq=False)
+class FixationTargets:
+    """Places in camera 0's pictures that were looked at for a while."""
+
+    spans: np.ndarray  # (t, 2) seconds on the recording's clock: from, until
+    pixels: np.ndarray  # (t, 2) distortion included
+
+
+@dataclass(frozen=True, eq=False)
 class Frame:
     """The pictures of one moment, grey (h, w) uint8; `colour` (h, w, 3) where the left one had colours."""
 
