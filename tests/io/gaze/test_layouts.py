@@ -62,6 +62,12 @@ def test_imu_samples_come_along_the_axes_of_the_rig(tmp_path, walked):
         layouts.open_recording(tmp_path)
 
 
+def test_a_vrs_file_is_told_how_to_come(tmp_path):
+    (tmp_path / "a.vrs").write_bytes(b"VRS")
+    with pytest.raises(FormatError, match="projectaria-tools"):
+        layouts.open_recording(tmp_path / "a.vrs")
+
+
 def test_pictures_of_another_size_than_calibrated_are_refused(tmp_path, walked):
     room.write_euroc(walked, tmp_path)
     first = sorted((tmp_path / "cam0").iterdir())[0]
