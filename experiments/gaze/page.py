@@ -107,12 +107,14 @@ MEASURES: dict[str, Callable[[Mapping[str, Mapping[str, np.ndarray]]], list[Row]
     "localisation": localisation,
     "por": regards,
     "keyframes": keyframes,
+    "map": localisation,
     "chain": chain,
 }
 TITLES = {
     "localisation": "Head paths against the truth",
     "por": "Points of regard on known places",
     "keyframes": "Keyframes against changes of attention",
+    "map": "A single camera in an earlier map",
     "chain": "From the head's path to one cloud",
 }
 
