@@ -81,7 +81,9 @@ def _accuracy(a: Mapping[str, np.ndarray]) -> list[Markup]:
         ]  # fmt: skip
         head = ["looked at", "points of regard", "time on it, s", "RMS error, m", "truth in 68 % region", "in 95 %"]
         parts.append(table(head, rows))
-    lead = "Errors where the truth is known. The regions are honest when they hold the truth as often as they say."
+    lead = "Errors where the truth is known."
+    if _has_gaze(a):
+        lead += " The regions are honest when they hold the truth as often as they say."
     return [section("Accuracy", *parts, lead=lead)] if parts else []
 
 
