@@ -99,7 +99,6 @@ WITHOUT_MIRROR = {
     "ipcli.models.gaze.scene_map",
     "ipcli.models.gaze.surface",
     "ipcli.report.gaze.gaze_experiment",
-    "ipcli.report.gaze.recording",
     "ipcli.report.gaze.sides",
     "ipcli.stages.gaze.check",
     "ipcli.stages.gaze.exports",

@@ -10,6 +10,7 @@ import numpy as np
 from experiments.kit.arguments import Arguments
 from experiments.kit.bars import Standing, bars_section, read_bars
 from experiments.kit.run import Findings, page_of, quick_lead, run
+from ipcli.geometry.alignment import path_extent
 from ipcli.io.files import h5
 from ipcli.models.gaze import evaluation
 from ipcli.report.kit.numbers import number
@@ -25,9 +26,7 @@ def localisation(runs: Mapping[str, Mapping[str, np.ndarray]]) -> list[Row]:
     """Errors of each head path."""
     rows: list[Row] = []
     for name, a in runs.items():
-        path = a["world_from_rig"][:, :3, 3]
-        first = path[np.isfinite(path).all(axis=1)][0]
-        values: dict[str, float] = {"frames": len(path), "frames lost": int(a["lost"].sum())}
+        values: dict[str, float] = {"frames": len(a["lost"]), "frames lost": int(a["lost"].sum())}
         if "accuracy/path" in a:
             rigid, similar, scale, online = (float(value) for value in a["accuracy/path"])
             values |= {
@@ -36,7 +35,7 @@ def localisation(runs: Mapping[str, Mapping[str, np.ndarray]]) -> list[Row]:
                 "scale": scale,
                 "path error online [m]": online,
             }
-        values["farthest from the start [m]"] = float(np.nanmax(np.linalg.norm(path - first, axis=1)))
+        values["farthest from the start [m]"] = path_extent(a["world_from_rig"])[1]
         values["keyframes after the first"] = int(a["keyframe"].sum()) - 1
         values["disparity offset [px]"] = float(a["offset"])
         rows += [{"data": name, "measure": measure, "value": value} for measure, value in values.items()]
@@ -108,12 +107,14 @@ MEASURES: dict[str, Callable[[Mapping[str, Mapping[str, np.ndarray]]], list[Row]
     "localisation": localisation,
     "por": regards,
     "keyframes": keyframes,
+    "map": localisation,
     "chain": chain,
 }
 TITLES = {
     "localisation": "Head paths against the truth",
     "por": "Points of regard on known places",
     "keyframes": "Keyframes against changes of attention",
+    "map": "A single camera in an earlier map",
     "chain": "From the head's path to one cloud",
 }
 

@@ -45,3 +45,15 @@ def align(src: np.ndarray, dst: np.ndarray, *, with_scale: bool) -> Fit:
     errors = np.full(len(src), np.nan)
     errors[known] = np.linalg.norm(scale * a @ rotation.T + translation - b, axis=1)
     return Fit(rotation, translation, scale, errors)
+
+
+def path_extent(poses: np.ndarray) -> tuple[float, float]:
+    """How long a path of poses (k, 4, 4) is and how far it gets from its first one; NaN poses are passed over.
+
+    The length holds the errors of all poses, so that of one that stands still grows with their number.
+    """
+    places = poses[np.isfinite(poses).all(axis=(1, 2)), :3, 3]
+    if not len(places):
+        return 0.0, 0.0
+    steps, off = np.diff(places, axis=0), places - places[0]
+    return float(np.linalg.norm(steps, axis=1).sum()), float(np.linalg.norm(off, axis=1).max())

@@ -39,6 +39,14 @@ class Gaze:
 
 
 @dataclass(frozen=True, eq=False)
+class FixationTargets:
+    """Places in camera 0's pictures that were looked at for a while."""
+
+    spans: np.ndarray  # (t, 2) seconds on the recording's clock: from, until
+    pixels: np.ndarray  # (t, 2) distortion included
+
+
+@dataclass(frozen=True, eq=False)
 class Frame:
     """The pictures of one moment, grey (h, w) uint8; `colour` (h, w, 3) where the left one had colours."""
 
@@ -59,7 +67,7 @@ class HeadRecording:
     files: tuple[Path, ...]  # everything it was made of, for the provenance
     gaze: Gaze | None = None
     truth: np.ndarray | None = None  # (k, 4, 4) world_from_rig where it is known, NaN elsewhere
-    imu: np.ndarray | None = None  # (m, 7): time, angular rate rad/s, acceleration m/s^2
+    imu: np.ndarray | None = None  # (m, 7): time, angular rate rad/s, acceleration m/s^2, rig's axes
     targets: np.ndarray | None = None  # (t, 3) true places of what was looked at, in the frame of `truth`
     target_names: tuple[str, ...] = ()
     source: str = ""  # the layout it was read from

@@ -39,7 +39,15 @@ RECORDING = Kind(
         Field("truth", "float64", ("k", 4, 4), "m", "world_from_rig; NaN unknown", True, KNOWN),
         Field("targets", "float64", ("t", 3), "m", "Places that were looked at, in the truth's frame", True, FINITE),
         Field("target_names", "str", ("t",), "", "Their names", True),
-        Field("imu", "float64", ("m", 7), "s, rad/s, m/s^2", "Time, angular rate, acceleration", True, FINITE),
+        Field(
+            "imu",
+            "float64",
+            ("m", 7),
+            "s, rad/s, m/s^2",
+            "Time, angular rate and acceleration (gravity in it) of the IMU, along the rig's axes; kept, not used",
+            True,
+            FINITE,
+        ),
         Field("source", "str", (), "", "The layout that it was imported from"),
     ),
 )

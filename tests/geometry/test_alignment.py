@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from ipcli.geometry import lie
-from ipcli.geometry.alignment import align
+from ipcli.geometry.alignment import align, path_extent
 
 
 def drawn(seed=0, count=40, noise=0.1):
@@ -94,3 +94,11 @@ def test_alignment_recovers_a_similarity_and_leaves_nan_out():
     assert found.rmse < 1e-12
     assert np.isnan(found.errors[4])
     assert align(a, b, with_scale=False).rmse > 0.3
+
+
+def test_the_extent_of_a_path_passes_over_lost_poses():
+    poses = np.tile(np.eye(4), (4, 1, 1))
+    poses[:, :3, 3] = [[1, 0, 0], [1, 2, 0], [9, 9, 9], [1, 2, 1.5]]
+    poses[2] = np.nan
+    assert path_extent(poses) == pytest.approx((3.5, 2.5))
+    assert path_extent(poses[2:3]) == (0.0, 0.0)

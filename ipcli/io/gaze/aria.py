@@ -24,6 +24,19 @@ PAIRED = 2_000_000  # nanoseconds between the two pictures of a moment
 PARAMETERS = 15  # f, cx, cy, k0...k5, p0 p1, s0...s3
 
 
+def is_vrs(path: Path) -> bool:
+    """Whether it is a recording as the device makes it."""
+    return path.is_file() and path.suffix.lower() == ".vrs"
+
+
+def open_vrs(path: Path) -> HeadRecording:
+    """FormatError, which says how it becomes an export: only the device's own library reads such files."""
+    raise FormatError(
+        path, "VRS recordings are not read", expected="an export: calib.json, slam-front-*_NS.png, eyegaze.csv",
+        fix="Export pictures and calibration with Meta's projectaria-tools (Python < 3.13)",
+    )  # fmt: skip
+
+
 def is_aria(folder: Path) -> bool:
     """Whether the folder is such an export."""
     return (folder / "calib.json").is_file() and any(folder.glob(f"{SIDES[0]}_*.png"))

@@ -2,11 +2,13 @@
 
 Flat: `cam0_sensor.yaml` and `cam1_sensor.yaml` beside `cam0/`, `cam1/` or beside `images/TIME_0.jpg`, `TIME_1.jpg`.
 Names are nanoseconds. T_BS in a sensor file maps points of the sensor to the body (the IMU).
+`imu0/data.csv` is kept where it is there.
 """
 
 from __future__ import annotations
 
 import re
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -35,14 +37,16 @@ def open_euroc(folder: Path) -> HeadRecording:
     cameras, body_from_cam = _cameras(sensors, pairs[names[0]])
     times = np.array([int(name) for name in names], dtype=np.int64) * 1e-9
     truth, files = _truth(root, times, body_from_cam)
+    imu, more = _imu(root, body_from_cam)
     paths = tuple(path for pair in pairs.values() for path in pair)
     return HeadRecording(
         tuple(names),
         times,
         cameras,
         pictures.loader(list(pairs.values()), cameras),
-        (*sensors, *files, *paths),
+        (*sensors, *files, *more, *paths),
         truth=truth,
+        imu=imu,
         source="EuRoC/ASL",
         dropped=words,
     )
@@ -90,20 +94,9 @@ def _cameras(sensors: list[Path], first: tuple[Path, ...]) -> tuple[tuple[Camera
 
 def _read_sensor(path: Path) -> tuple[Camera, np.ndarray]:
     """Camera and T_BS of a sensor.yaml; its few lines are read as they are, without a YAML library."""
-    text = "\n".join(line.split("#", 1)[0] for line in layout.read_text(path).splitlines())
-
-    def values(key: str, counts: tuple[int, ...]) -> list[float]:
-        found = re.search(rf"^\s*{key}\s*:\s*\[([^\]]*)\]", text, flags=re.MULTILINE)
-        numbers = [float(number) for number in re.findall(NUMBER, found[1])] if found else []
-        if len(numbers) not in counts or not np.isfinite(numbers).all():
-            raise FormatError(
-                path, f"no {key}", expected=f"{key}: [{' or '.join(map(str, counts))} numbers]", got=len(numbers)
-            )
-        return numbers
-
-    pose = np.array(values("data", (16,))).reshape(4, 4)
-    if not np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-3):
-        raise FormatError(path, "T_BS is not rigid", fix="Give the 4 x 4 matrix row by row")
+    text = _without_comments(path)
+    values = partial(_values, path, text)
+    pose = _pose(path, text)
     width, height = (int(value) for value in values("resolution", (2,)))
     named = re.search(r"^\s*distortion_model\s*:\s*([\w-]+)", text, flags=re.MULTILINE)
     model = MODELS.get(named[1] if named else "none")
@@ -112,6 +105,43 @@ def _read_sensor(path: Path) -> tuple[Camera, np.ndarray]:
     coefficients = np.array(values("distortion_coefficients", (4, 5, 8))) if model != "pinhole" else np.zeros(0)
     camera = pictures.camera_of(path, values("intrinsics", (4,)), (width, height), model=model, distortion=coefficients)
     return camera, pose
+
+
+def _without_comments(path: Path) -> str:
+    return "\n".join(line.split("#", 1)[0] for line in layout.read_text(path).splitlines())
+
+
+def _values(path: Path, text: str, key: str, counts: tuple[int, ...]) -> list[float]:
+    found = re.search(rf"^\s*{key}\s*:\s*\[([^\]]*)\]", text, flags=re.MULTILINE)
+    numbers = [float(number) for number in re.findall(NUMBER, found[1])] if found else []
+    if len(numbers) not in counts or not np.isfinite(numbers).all():
+        raise FormatError(
+            path, f"no {key}", expected=f"{key}: [{' or '.join(map(str, counts))} numbers]", got=len(numbers)
+        )
+    return numbers
+
+
+def _pose(path: Path, text: str) -> np.ndarray:
+    """T_BS, body_from_sensor (4, 4)."""
+    pose = np.array(_values(path, text, "data", (16,))).reshape(4, 4)
+    if not np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-3):
+        raise FormatError(path, "T_BS is not rigid", fix="Give the 4 x 4 matrix row by row")
+    return pose
+
+
+def _imu(root: Path, body_from_cam: np.ndarray) -> tuple[np.ndarray | None, tuple[Path, ...]]:
+    """Samples (m, 7) of imu0: seconds, angular rate and acceleration along the axes of camera 0, where the IMU is."""
+    table, sensor = root / "imu0" / "data.csv", root / "imu0" / "sensor.yaml"
+    if not table.is_file():
+        return None, ()
+    rows = [layout.numbers(table, n, text.split(","), (7,)) for n, text in layout.comment_free(table)]
+    values = np.array(rows).reshape(-1, 7)
+    if not np.isfinite(values).all():
+        raise FormatError(table, "a sample is not finite", fix="Leave its line out")
+    body_from_imu = _pose(sensor, _without_comments(sensor)) if sensor.is_file() else np.eye(4)
+    turn = body_from_cam[:3, :3].T @ body_from_imu[:3, :3]
+    samples = np.concatenate([values[:, :1] * 1e-9, values[:, 1:4] @ turn.T, values[:, 4:] @ turn.T], axis=1)
+    return samples, (table, sensor) if sensor.is_file() else (table,)
 
 
 def _truth(root: Path, times: np.ndarray, body_from_cam: np.ndarray) -> tuple[np.ndarray | None, tuple[Path, ...]]:

@@ -1,4 +1,4 @@
-"""Gaze exports: Pupil Cloud and Neon, Pupil Core, Tobii Glasses 2 and 3, Project Aria, glassesTools, and plain tables.
+"""Gaze: Pupil Cloud, Neon's own files, Pupil Core, Tobii Glasses 2 and 3, Project Aria, glassesTools, and plain tables.
 
 Every device has axes and clocks of its own; here all become seconds, pixels with the origin in the middle of the top
 left pixel, and rays with x right, y down, z forward. A table is told by the names of its columns.
@@ -20,6 +20,7 @@ import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.io.files import text as layout
+from ipcli.io.gaze.neon import is_neon, read_neon
 from ipcli.measurements.recording import Gaze
 
 LARGEST = 1 << 30  # bytes of an unpacked export
@@ -33,6 +34,8 @@ def read_gaze(path: Path, size: tuple[int, int] | None = None) -> Gaze:
     """Gaze of any known export, a file or the folder that holds it. `size` (width, height) of the scene picture turns
     shares of it into pixels. FormatError for an unknown one, naming the columns that were found.
     """
+    if is_neon(Path(path)):
+        return _in_order(read_neon(Path(path)))
     path = _file(Path(path))
     if path.suffix == ".gz":
         return _in_order(_tobii(path, size))

@@ -14,6 +14,7 @@ LAYOUTS: dict[str, Layout[HeadRecording]] = {
     "euroc": Layout(euroc.is_euroc, euroc.open_euroc, "mav0/cam0/sensor.yaml or cam0_sensor.yaml"),
     "kitti": Layout(kitti.is_kitti, kitti.open_kitti, "image_0/, image_1/ and calib.txt"),
     "aria": Layout(aria.is_aria, aria.open_aria, "an export of Project Aria: calib.json and slam-front-*_NS.png"),
+    "vrs": Layout(aria.is_vrs, aria.open_vrs, "a .vrs file, to be exported first"),
     "boofcv": Layout(boof.is_boof, boof.open_boof, "left/, right/ and stereo_params.xml"),
     "tum": Layout(rgbd.is_tum, rgbd.open_tum, "rgb.txt and depth.txt"),
     "7scenes": Layout(rgbd.is_seven_scenes, rgbd.open_seven_scenes, "frame-XXXXXX.color.png and .depth.png"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipcli.geometry.alignment import Fit, align
+from ipcli.geometry.alignment import Fit, align, path_extent
 
 QUANTILES = {0.68: 3.506, 0.95: 7.815}  # of chi^2 with three degrees of freedom
 
@@ -78,10 +78,13 @@ def keyframe_scores(found: np.ndarray, true: np.ndarray, slack: int) -> dict[str
 
 def summary(a: Mapping[str, np.ndarray]) -> dict[str, object]:
     """The figures of a `gaze-experiment` that a person wants to see first."""
+    length, farthest = path_extent(a["world_from_rig"])
     found: dict[str, object] = {
         "frames": len(a["lost"]),
         "lost": int(a["lost"].sum()),
         "in the map": int(a["in_map"].sum()),
+        "path length [m]": float(f"{length:.4g}"),
+        "farthest from the start [m]": float(f"{farthest:.4g}"),
         "subsequences": int(a["keyframe"].sum()),
         "disparity offset [px]": round(float(a["offset"]), 3),
     }
@@ -91,6 +94,8 @@ def summary(a: Mapping[str, np.ndarray]) -> dict[str, object]:
         if hit.any():
             sigma = np.sqrt(np.trace(a["por/covariance"][hit], axis1=1, axis2=2))
             found["median sigma [m]"] = round(float(np.median(sigma)), 4)
+    else:
+        found["points of regard"] = "none, as no gaze is used"
     if "truth" in a:
         errors = path_errors(a["world_from_rig"], a["truth"])
         found |= {

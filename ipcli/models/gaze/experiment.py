@@ -270,7 +270,7 @@ def notes(recording: HeadRecording, path: Path) -> list[str]:
     if lost:
         found.append(f"{len(lost)} of {len(path.tracks)} frames are lost; the first: {lost[0].reason}")
     if recording.gaze is None:
-        found.append("no gaze: the head's direction stands for it where subsequences are split")
+        found.append("no gaze is used: there are no points of regard, and the head's direction splits the subsequences")
     vertical = float(np.nanmedian([track.vertical for track in path.tracks])) if path.rig.is_stereo else 0.0
     if abs(vertical) > 1.0:
         found.append(f"rows of the two cameras differ by {vertical:.2f} px: the calibration may be of another rig")

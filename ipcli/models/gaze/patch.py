@@ -101,7 +101,7 @@ def _covariance(design: np.ndarray, response: np.ndarray, rest: np.ndarray, pixe
             if pairs:
                 alike = float((errors[one] * errors[other]).sum()) / pairs
                 middle += alike * np.einsum("vua,vub->ab", scores[one], scores[other])
-    inverse = np.linalg.inv(design.T @ response)
+    inverse = np.linalg.pinv(design.T @ response)  # without slopes in one of them no error is known: not positive
     spare = len(rest) / (len(rest) - design.shape[1])
     return spare * inverse @ middle @ inverse.T
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ipcli.geometry.alignment import path_extent
 from ipcli.report.gaze.panorama import panorama, with_regards
 from ipcli.report.gaze.sides import from_above, from_the_side
 from ipcli.report.kit import pictures
@@ -29,14 +30,21 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     parts = [notice(str(text)) for text in a["notes"]]
     parts += [_sides(a), *_accuracy(a), *_areas(a), *_landmarks(a), _frames(a, widest), _panorama(a, widest)]
     parts += [_curves(a), _subsequences(a), _tracking(a), _calibration(a), *_lost(a), _reading(a), origin(provenance)]
-    return document("Where the wearer was, and what they looked at", "ipcli gaze-sfm", _verdict(a), *parts)
+    title = "Where the wearer was, and what they looked at" if _has_gaze(a) else "Where the wearer was"
+    return document(title, "ipcli gaze-sfm", _verdict(a), *parts)
+
+
+def _has_gaze(a: Mapping[str, np.ndarray]) -> bool:
+    return "por/outcome" in a
 
 
 def _verdict(a: Mapping[str, np.ndarray]) -> str:
     count, lost = len(a["lost"]), int(a["lost"].sum())
     words = f"{count - lost} of {count} head poses over {with_unit(float(a['times'][-1] - a['times'][0]), 's')}, "
     words += f"a map of {len(a['map/points'])} points, {len(a['subsequences/frames'])} coherent subsequences."
-    if "por/outcome" in a:
+    length, farthest = path_extent(a["world_from_rig"])
+    words += f" The path is {with_unit(length, 'm')} long and gets {with_unit(farthest, 'm')} away from its start."
+    if _has_gaze(a):
         hit = a["por/outcome"] == HIT
         words += f" {int(hit.sum())} of {len(hit)} gaze samples have a point of regard"
         sigma = np.sqrt(np.trace(a["por/covariance"][hit], axis1=1, axis2=2))
@@ -48,8 +56,9 @@ def _verdict(a: Mapping[str, np.ndarray]) -> str:
 
 def _sides(a: Mapping[str, np.ndarray]) -> Markup:
     lead = (
-        "The head's path (blue), points of regard (red) and the map (grey), in the frame of the first picture: x to "
-        "its right, z the way it looked. The page X.turn.html beside this one shows the same to be turned."
+        f"The head's path (blue){', points of regard (red)' if _has_gaze(a) else ''} and the map (grey), in the frame "
+        "of the first picture: x to its right, z the way it looked. The page X.turn.html beside this one shows the "
+        "same to be turned."
     )
     both = gallery(from_above(a), from_the_side(a), columns=2)
     return section("Path and map", both, lead=lead)
@@ -72,7 +81,9 @@ def _accuracy(a: Mapping[str, np.ndarray]) -> list[Markup]:
         ]  # fmt: skip
         head = ["looked at", "points of regard", "time on it, s", "RMS error, m", "truth in 68 % region", "in 95 %"]
         parts.append(table(head, rows))
-    lead = "Errors where the truth is known. The regions are honest when they hold the truth as often as they say."
+    lead = "Errors where the truth is known."
+    if _has_gaze(a):
+        lead += " The regions are honest when they hold the truth as often as they say."
     return [section("Accuracy", *parts, lead=lead)] if parts else []
 
 
@@ -119,12 +130,18 @@ def _frames(a: Mapping[str, np.ndarray], widest: int) -> Markup:
         )
         for n, frame in enumerate(a["picture_frames"])
     ]
-    lead = "Points of regard (red, the nearest in time in yellow) in some of the pictures: 15 at most, as in (3.34)."
-    return section("What was looked at", gallery(*shown, columns=4, small=True), lead=lead)
+    title, lead = "Pictures on the way", "Some of the left camera's pictures."
+    if _has_gaze(a):
+        title = "What was looked at"
+        lead = (
+            "Points of regard (red, the nearest in time in yellow) in some of the pictures: 15 at most, as in (3.34)."
+        )
+    return section(title, gallery(*shown, columns=4, small=True), lead=lead)
 
 
 def _panorama(a: Mapping[str, np.ndarray], widest: int) -> Markup:
-    lead = "Some pictures laid around the middle of the head's path, with all points of regard (figure 3.3)."
+    lead = "Some pictures laid around the middle of the head's path"
+    lead += ", with all points of regard (figure 3.3)." if _has_gaze(a) else " (figure 3.3)."
     return section("Panorama", figure(photograph(panorama(a), widest), "All around", ""), lead=lead)
 
 
@@ -137,14 +154,17 @@ def _curves(a: Mapping[str, np.ndarray]) -> Markup:
         Series("Γ(H)", frame, a["gric_h"]),
         Series("Γ(F) − Γ(H)", frame, difference),
     ]
-    turns = [Series("gaze from the subsequence's PORs, σ", frame, a["parted"]), Series("δ, px", frame, a["change"])]
+    turns = [Series("δ, px", frame, a["change"])]
+    if _has_gaze(a):
+        turns.insert(0, Series("gaze from the subsequence's PORs, σ", frame, a["parted"]))
     shown = [
         plot([*scores, _keys(a, scores)], "Motion models", "frame", "score"),
         plot([*turns, _keys(a, turns)], "Change of gaze", "frame", "see the legend", from_zero=True),
     ]
     lead = (
         "The lower score explains the motion since the last keyframe better: a homography (H) when the head turned, "
-        "a fundamental matrix (F) when it moved. Dashed: keyframes, where attention turned elsewhere (figure 3.6)."
+        "a fundamental matrix (F) when it moved. Dashed: keyframes, where attention turned elsewhere (figure 3.6)"
+        f"{'' if _has_gaze(a) else '; the middle of the picture stands for the gaze'}."
     )
     return section("Keyframes", element("div", *shown, class_="plots"), lead=lead)
 
@@ -218,7 +238,9 @@ def _lost(a: Mapping[str, np.ndarray]) -> list[Markup]:
 def _reading(a: Mapping[str, np.ndarray]) -> Markup:
     text = (
         "Depth of a point of regard is that of the scene along the gaze ray, never the eyes' vergence. Its covariance "
-        "holds the error of the gaze carried over the surface, that of the surface and that of the head pose. Lost "
-        "frames have no pose: NaN in the artefact, left out of the trajectory."
+        "holds the error of the gaze carried over the surface, that of the surface and that of the head pose. "
+        if _has_gaze(a)
+        else ""
     )
-    return section("How to read it", element("p", text))
+    lost = "Lost frames have no pose: NaN in the artefact, left out of the trajectory."
+    return section("How to read it", element("p", text + lost))

@@ -8,8 +8,8 @@ import numpy as np
 
 from ipcli.report.kit import pictures
 from ipcli.report.kit.numbers import number, percent
+from ipcli.report.kit.page import Markup, section, table
 from ipcli.report.kit.page import page as document
-from ipcli.report.kit.page import section, table
 from ipcli.report.kit.provenance import origin
 
 
@@ -31,4 +31,16 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     if "gaze/times" in a:
         valid = float(a["gaze/valid"].mean()) if len(a["gaze/valid"]) else float("nan")
         parts.append(section("Gaze", table(["samples", "valid"], [[f"{len(a['gaze/times'])}", percent(valid)]])))
+    if "imu" in a:
+        parts.append(_imu(a["imu"]))
     return document("Recording", "ipcli import-recording", verdict, *parts, origin(provenance))
+
+
+def _imu(samples: np.ndarray) -> Markup:
+    """How many, how often, and which way is up where the head moves little: acceleration holds what carries it."""
+    step = float(np.median(np.diff(samples[:, 0]))) if len(samples) > 1 else float("nan")
+    mean = samples[:, 4:].mean(axis=0) if len(samples) else np.full(3, np.nan)
+    up = ", ".join(number(float(value)) for value in mean / max(float(np.linalg.norm(mean)), 1e-9))
+    row = [f"{len(samples)}", number(1 / step if step > 0 else np.nan), number(float(np.linalg.norm(mean))), up]
+    head = ["samples", "a second", "mean acceleration, m/s²", "its direction (up) x, y, z"]
+    return section("IMU", table(head, [row]), lead="Along the rig's axes: x right, y down, z forward. Kept, not used.")

@@ -25,6 +25,9 @@ class RecordingSource:
     gaze_size: tuple[int, ...] | None = option(
         None, "Width,height of the picture that the gaze was given for, if not the camera's.", flag="--gaze-size", low=1
     )
+    calibrate_gaze: str | None = option(
+        None, "Fixation targets (CSV: time [s],x [px],y [px]) that the gaze is corrected by.", flag="--calibrate-gaze"
+    )
     intrinsics: tuple[float, ...] | None = option(
         None, "fx,fy,cx,cy of an RGB-D camera.", flag="--intrinsics", unit="px"
     )
@@ -40,7 +43,7 @@ def open_source(path: Path, source: RecordingSource) -> HeadRecording:
     from ipcli.measurements.recording import window
 
     found = layouts.open_recording(path, source.format, intrinsics=source.intrinsics, depth_scale=source.depth_scale)
-    found = _with_targets(_with_gaze(found, source, path), path)
+    found = _with_targets(_calibrated(_with_gaze(found, source, path), source), path)
     if (source.start, source.stop, source.step) != (0, 0, 1):
         found = window(found, source.start, source.stop, source.step)
     if not found.names:
@@ -67,6 +70,29 @@ def _with_gaze(found: HeadRecording, source: RecordingSource, beside: Path) -> H
     pixels = (gaze.pixels + 0.5) * scale - 0.5
     files = (path,) if path.is_file() else tuple(sorted(p for p in path.rglob("*") if p.is_file()))
     return replace(found, gaze=replace(gaze, pixels=pixels), files=(*found.files, *files))
+
+
+def _calibrated(found: HeadRecording, source: RecordingSource) -> HeadRecording:
+    """The gaze corrected by the targets of --calibrate-gaze; how good that is goes with what is told of the gaze."""
+    import numpy as np
+
+    from ipcli.io.gaze.fixation_targets import read_fixation_targets
+    from ipcli.models.gaze.gaze_calibration import calibrated
+
+    if source.calibrate_gaze is None:
+        return found
+    if found.gaze is None or found.gaze.directions is not None:
+        raise ParameterError("--calibrate-gaze: needs gaze in pixels of the picture")
+    path, camera = Path(source.calibrate_gaze), found.cameras[0]
+    made = calibrated(found.gaze, read_fixation_targets(path), camera.size[0])
+    degrees = float(np.degrees(np.arctan(made.error / camera.intrinsics[0, 0])))
+    words = (
+        f"gaze calibrated on {made.targets} fixation targets ({made.kind}): "
+        f"off by {made.before:.2f} px an axis before, by {made.error:.2f} px (about {degrees:.2f} degrees) at "
+        "targets left out; --gaze-sigma should not be less"
+    )
+    gaze = replace(found.gaze, pixels=made.applied(found.gaze.pixels), dropped=(*found.gaze.dropped, words))
+    return replace(found, gaze=gaze, files=(*found.files, path))
 
 
 def _with_targets(found: HeadRecording, folder: Path) -> HeadRecording:

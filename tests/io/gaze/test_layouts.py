@@ -1,5 +1,7 @@
 """Recordings of every layout, from folders written here; what is wrong with one is named."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -41,6 +43,29 @@ def test_the_layout_of_the_data_set_itself(tmp_path, walked):
         for path in (tmp_path / "flat" / f"cam{camera}").iterdir():
             path.rename(place / "data" / path.name)
     assert len(layouts.open_recording(tmp_path).names) == 3
+
+
+def test_imu_samples_come_along_the_axes_of_the_rig(tmp_path, walked):
+    room.write_euroc(walked, tmp_path)
+    sensor = tmp_path / "cam0_sensor.yaml"
+    body_from_cam = "0, 0, 1, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 1"  # z ahead is x of the body, x right is its -y
+    sensor.write_text(re.sub(r"data: \[.*\]", f"data: [{body_from_cam}]", sensor.read_text()))
+    (tmp_path / "imu0").mkdir()
+    table = tmp_path / "imu0" / "data.csv"
+    table.write_text("#timestamp [ns],w x,w y,w z,a x,a y,a z\n1000000000,.1,.2,.3,1,2,9.8\n1005000000,0,0,0,0,0,9.8\n")
+    found = layouts.open_recording(tmp_path)
+    np.testing.assert_allclose(found.imu[0], [1.0, -0.2, -0.3, 0.1, -2, -9.8, 1])
+    assert found.imu[1, 0] == pytest.approx(1.005)
+    assert table in found.files
+    table.write_text("1000000000,.1,.2\n")
+    with pytest.raises(FormatError, match="cut or too long"):
+        layouts.open_recording(tmp_path)
+
+
+def test_a_vrs_file_is_told_how_to_come(tmp_path):
+    (tmp_path / "a.vrs").write_bytes(b"VRS")
+    with pytest.raises(FormatError, match="projectaria-tools"):
+        layouts.open_recording(tmp_path / "a.vrs")
 
 
 def test_pictures_of_another_size_than_calibrated_are_refused(tmp_path, walked):

@@ -92,6 +92,18 @@ def test_the_page_says_what_there_is_and_loads_nothing(made):
     assert made.with_suffix(".turn.html").stat().st_size > 1e5
 
 
+def test_without_gaze_nothing_speaks_of_what_was_looked_at(folder, tmp_path, capsys):
+    run = tmp_path / "run.h5"
+    assert main(["gaze-sfm", str(folder), "-o", str(run), "--poses-only", "--stop", "3"]) == 0
+    out = capsys.readouterr().out
+    assert "points of regard: none" in out
+    assert "path length [m]: " in out
+    html = run.with_suffix(".html").read_text()
+    for words in ("What was looked at", "what they looked at", "points of regard (red)", "all points of regard"):
+        assert words not in html
+    assert "away from its start" in html
+
+
 def test_a_second_run_is_up_to_date(made, folder, capsys):
     before = made.stat().st_mtime_ns
     assert main(["gaze-sfm", str(folder), "-o", str(made), "--gaze-sigma", "0.71"]) == 0
@@ -110,6 +122,24 @@ def test_an_imported_recording_gives_the_same_poses(folder, made, tmp_path, caps
     assert facts["frames"] == COURSE.frames
     a, b = (h5.read(path, "gaze-experiment").arrays for path in (made, again))
     assert (a["world_from_rig"] == b["world_from_rig"]).all()
+
+
+def test_gaze_is_corrected_by_fixation_targets(folder, tmp_path, capsys):
+    given = layouts.open_recording(folder)
+    assert main(["import-recording", str(folder), "-o", str(tmp_path / "plain.h5"), "--quiet"]) == 0
+    gaze = layouts.open_recording(tmp_path / "plain.h5").gaze
+    chosen = np.flatnonzero(gaze.valid)[::3]
+    lines = [f"{gaze.times[k]:.6f},{gaze.times[k]:.6f},{gaze.pixels[k, 0] + 5},{gaze.pixels[k, 1] - 3}" for k in chosen]
+    (tmp_path / "fixed.csv").write_text("time [s],until [s],x [px],y [px]\n" + "\n".join(lines) + "\n")
+    words = ["--calibrate-gaze", str(tmp_path / "fixed.csv"), "--quiet"]
+    assert main(["import-recording", str(folder), "-o", str(tmp_path / "one.h5"), *words]) == 0
+    moved = layouts.open_recording(tmp_path / "one.h5").gaze.pixels - gaze.pixels
+    np.testing.assert_allclose(moved[gaze.valid], np.tile([5.0, -3.0], (int(gaze.valid.sum()), 1)), atol=1e-3)
+    assert given.gaze is None  # it lies beside the pictures
+    rays = tmp_path / "rays.csv"
+    rays.write_text("time [s],dx,dy,dz\n1.0,0,0,1\n1.2,0,0,1\n")
+    assert main(["gaze-sfm", "check", str(folder), "--gaze", str(rays), *words[:2]]) == 2
+    assert "needs gaze in pixels" in capsys.readouterr().err
 
 
 def test_views_of_the_map_lie_on_the_true_surface(folder, made, tmp_path):
