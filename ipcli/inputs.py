@@ -6,6 +6,7 @@ digest and a reader, and /dev/zero has no end.
 
 from __future__ import annotations
 
+import logging
 import os
 import stat
 from pathlib import Path
@@ -13,6 +14,8 @@ from typing import Any
 
 from ipcli.errors import FormatError
 
+log = logging.getLogger(__name__)
+CUT = "the file ends without an end of line: its last number may be cut"  # what `cut_number` found, in words
 MOST_BYTES = 1 << 24  # of a file of settings; those that come with a capture's calibration have kilobytes
 
 
@@ -45,6 +48,22 @@ def read_small_text(path: Path) -> str:
         raise FormatError(path, f"not a readable text file: {error}", fix="Save it as UTF-8") from error
 
 
+def cut_number(text: str) -> bool:
+    """Whether a table of numbers ends without an end of line, so that its last number may have lost digits."""
+    return text.rstrip(" \t")[-1:] in set("0123456789.-+eE")
+
+
+def warn_if_cut(path: Path, text: str) -> None:
+    """Say in the log that a list of lines whose last has no end may have lost its end.
+
+    No text format that is read asks for the last end of line, and editors leave it out: so it is not refused.
+    """
+    if cut_number(text):
+        log.warning("%s: %s. Check the copy, or end the line", path, CUT)
+    elif text and not text.endswith(("\n", "\r")):
+        log.warning("%s: the file ends without an end of line: more may be missing. Check the copy, or end it", path)
+
+
 def read_toml(path: Path, *, fix: str | None = None) -> dict[str, Any]:
     """The table of a TOML file. FormatError with `fix` for anything else, a number of 5000 digits and 5000 brackets
     included, which the parser takes ill in ways of its own.
@@ -52,6 +71,8 @@ def read_toml(path: Path, *, fix: str | None = None) -> dict[str, Any]:
     import tomllib
 
     text = read_small_text(path)
+    if cut_number(text):
+        warn_if_cut(path, text)
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError, OverflowError) as error:

@@ -106,3 +106,30 @@ def test_settings_of_gigabytes_are_not_read(tmp_path):
 def test_a_byte_order_mark_is_no_key(tmp_path):
     Path(tmp_path / "s.toml").write_bytes(b"\xef\xbb\xbfa = 1\n")
     assert inputs.read_toml(tmp_path / "s.toml") == {"a": 1}
+
+
+def test_a_number_at_the_very_end_may_be_cut():
+    ends = ("1 2\n3 10", "1.", "1 2\n", "", "a}")
+    assert [inputs.cut_number(end) for end in ends] == [True, True, False, False, False]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("", None),
+        ("1 2\n", None),
+        ("1 2\r", None),
+        ("1 2", "its last number may be cut"),
+        ("a,b", "more may be missing"),
+    ],
+)
+def test_a_list_whose_last_line_has_no_end_is_said_to_be_perhaps_cut(tmp_path, caplog, content, said):
+    inputs.warn_if_cut(tmp_path / "a.txt", content)
+    assert [said in record.message and "a.txt" in record.message for record in caplog.records] == [True] * bool(said)
+
+
+@pytest.mark.parametrize(("content", "count"), [("scale = 10", 1), ("scale = 10\n", 0), ('unit = "m"', 0)])
+def test_settings_that_end_within_a_number_are_said_to_be_perhaps_cut(tmp_path, caplog, content, count):
+    (tmp_path / "a.toml").write_text(content)
+    inputs.read_toml(tmp_path / "a.toml")
+    assert len(caplog.records) == count

@@ -1,5 +1,7 @@
 """Each rule of the schema, broken one at a time on an artefact generated from the schema."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -38,11 +40,46 @@ def test_a_missing_field_is_named_unless_optional(kind):
     for name in example(kind):
         arrays = example(kind)
         del arrays[name]
-        if kind.field(name)[0].optional:
+        needed = {one for one, _ in kind.required({kind.field(left)[0].name for left in arrays})}
+        if kind.field(name)[0].optional and kind.field(name)[0].name not in needed:
             schema.validate(kind, arrays)
         else:
-            with pytest.raises(schema.SchemaError, match=f"^{name}: missing"):
+            with pytest.raises(schema.SchemaError, match=f"^{re.escape(name)}: missing"):
                 schema.validate(kind, arrays)
+
+
+GROUPS = [(kind, group) for kind in KINDS for group in kind.together]
+
+
+@pytest.mark.parametrize(("kind", "group"), GROUPS, ids=lambda value: getattr(value, "name", ""))
+def test_fields_that_go_together_may_all_be_missing_but_none_alone(kind, group):
+    assert all(kind.field(name)[0].optional for name in group)
+    asking = {name for name, needed in kind.needs if needed in group} | {
+        field.name for field in kind.fields if any(ref and ref.to in group for ref in refs_of(field))
+    }
+    arrays = {name: array for name, array in example(kind).items() if kind.field(name)[0].name not in {*group, *asking}}
+    dangling = {needed for needed, _ in kind.required({kind.field(name)[0].name for name in arrays})}
+    if dangling <= {kind.field(name)[0].name for name in arrays}:
+        schema.check_names(kind, arrays)
+    one = group[-1].replace("*", "a")
+    with pytest.raises(schema.SchemaError, match=rf"missing, and {re.escape(one)} makes no sense without it"):
+        schema.check_names(kind, {**arrays, one: example(kind)[one]})
+
+
+@pytest.mark.parametrize(
+    ("kind", "gone", "asking"),
+    [
+        ("gaze-experiment", "gaze/labels", "accuracy/labels"),
+        ("recording", "targets", "target_names"),
+        ("animal-model", "pictures/a/labels", "pictures/a/rendered"),
+        ("fused-depth", "metric_columns", "metrics"),
+    ],
+)
+def test_what_makes_no_sense_alone_is_named_with_what_it_lacks(kind, gone, asking):
+    arrays = example(schema.kind(kind))
+    del arrays[gone]
+    with pytest.raises(schema.SchemaError, match=f"^{gone}: missing, and {asking} makes no sense without it"):
+        schema.check_names(schema.kind(kind), arrays)
 
 
 @each_kind

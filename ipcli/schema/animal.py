@@ -99,6 +99,11 @@ MODEL = Kind(
         Field("pictures/*/picture", "uint8", ("h", "w", 3), "", "RGB", optional=True),
         Field("warnings", "str", ("q",), "", "What is odd about the masks"),
     ),
+    together=(
+        ("bodies/*/part", "bodies/*/vertices", "bodies/*/faces"),
+        ("pictures/*/labels", "pictures/*/rendered"),
+    ),
+    needs=(("pictures/*/picture", "pictures/*/labels"),),
 )  # fmt: skip
 
 KINDS = (ASPECTS, COMPONENTS, MODEL)

@@ -5,6 +5,7 @@ may take.
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -93,12 +94,28 @@ class Field:
 
 @dataclass(frozen=True)
 class Kind:
-    """A registered layout. `version` grows whenever a reader of the old one would be misled."""
+    """A registered layout. `version` grows whenever a reader of the old one would be misled.
+
+    Of optional fields that say something only as a whole, `together` lists each group of which a file holds all or
+    none, and `needs` each pair of which the first makes no sense without the second. What refers to a field needs it.
+    """
 
     name: str
     version: int
     doc: str
     fields: tuple[Field, ...]
+    together: tuple[tuple[str, ...], ...] = ()
+    needs: tuple[tuple[str, str], ...] = ()
+
+    def required(self, present: Collection[str]) -> Iterator[tuple[str, str]]:
+        """(a field that the `present` ones of one item ask for, the one that asks)."""
+        for group in self.together:
+            asking = next((name for name in group if name in present), None)
+            yield from ((name, asking) for name in group if asking is not None)
+        yield from ((needed, name) for name, needed in self.needs if name in present)
+        for field in self.fields:
+            refs = [field.refers] if isinstance(field.refers, Ref) else [*(field.refers or ())]
+            yield from ((ref.to, field.name) for ref in refs if field.name in present)
 
     def field(self, name: str) -> tuple[Field, str]:
         """The field that describes dataset `name`, and its item; SchemaError if there is none."""

@@ -122,6 +122,7 @@ DEPTH = Kind(
         Field("ause_uncertainty", "float64", (), "1", "The same of `uncertainty`", optional=True),
         Field("ause_angle", "float64", (), "1", "The same of the angle of view (4.35) as a confidence", optional=True),
     ),
+    together=(("metrics", "metric_rows", "metric_columns"),),
 )
 
 COMPARISON = Kind(

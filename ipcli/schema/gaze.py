@@ -23,6 +23,8 @@ GAZE = (
     Field("gaze/origins", "float64", ("n", 3), "m", "Where the rays begin, in the rig's frame", True, KNOWN),
     Field("gaze/labels", "str", ("n",), "", "What was looked at, where it is known", True),
 )
+GAZE_TOGETHER = ("gaze/times", "gaze/pixels", "gaze/valid")
+GAZE_NEEDS = tuple((f"gaze/{name}", "gaze/times") for name in ("directions", "origins", "labels"))
 
 RECORDING = Kind(
     "recording",
@@ -50,6 +52,8 @@ RECORDING = Kind(
         ),
         Field("source", "str", (), "", "The layout that it was imported from"),
     ),
+    together=(GAZE_TOGETHER,),
+    needs=(*GAZE_NEEDS, ("target_names", "targets")),
 )
 
 EXPERIMENT = Kind(
@@ -196,6 +200,44 @@ EXPERIMENT = Kind(
         Field("landmarks/scale", "float64", (), "1", "Scale that the run was given; 1 for a rigid alignment", True),
         Field("notes", "str", ("o",), "", "What was left out or is doubtful, and why"),
         Field("source", "str", (), "", "Layout of the recording"),
+    ),
+    together=(
+        GAZE_TOGETHER,
+        (
+            "por/points",
+            "por/covariance",
+            "por/outcome",
+            "por/frame",
+            "por/origins",
+            "por/directions",
+            "por/fixation",
+            "fixations/span",
+            "fixations/points",
+            "fixations/covariance",
+            "shown/frame",
+            "shown/sample",
+            "shown/pixels",
+        ),
+        ("targets", "target_names"),
+        ("accuracy/labels", "accuracy/regards", "accuracy/dwell", "accuracy/rms", "accuracy/inside"),
+        (
+            "aoi/names",
+            "aoi/of_sample",
+            "aoi/dwell",
+            "aoi/share",
+            "aoi/visits",
+            "aoi/fixations",
+            "aoi/first",
+            "aoi/transitions",
+        ),
+        ("landmarks/names", "landmarks/places", "landmarks/found", "landmarks/scale"),
+    ),
+    needs=(
+        *GAZE_NEEDS,
+        ("por/points", "gaze/times"),
+        ("accuracy/path", "truth"),
+        ("accuracy/labels", "gaze/labels"),
+        ("aoi/names", "por/points"),
     ),
 )
 

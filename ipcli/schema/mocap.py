@@ -50,7 +50,11 @@ CLIPS = Kind(
         Field("splits", "int8", ("s", "c"), "1", "1: clip to train on, 2: to test on, 0: neither", optional=True),
         Field("notes", "str", ("o",), "", "What is odd about the files they were read from", optional=True),
     ),
+    together=(("split_names", "splits"),),
 )
+
+
+HELD_OUT = ("held_out_", "held_out_pose_")
 
 
 def _held_out(prefix: str, many: str, what: str) -> tuple[Field, ...]:
@@ -164,8 +168,8 @@ BEHAVIOURS = Kind(
             "How unlike its best action the poses of parts of clips are to a model of other people, ascending",
             domain=FINITE,
         ),
-        *_held_out("held_out_", "l", "each held-out clip"),
-        *_held_out("held_out_pose_", "k", "each held-out clip by its poses alone"),
+        *_held_out(HELD_OUT[0], "l", "each held-out clip"),
+        *_held_out(HELD_OUT[1], "k", "each held-out clip by its poses alone"),
         Field("preferences", "float64", ("a", "g"), "1", "W of (5.12)", domain=FINITE),
         Field("frames", "int64", ("a",), "1", "Frames of each action that there were"),
         Field("clips", "int64", ("a",), "1", "Clips of each action that there were"),
@@ -201,6 +205,7 @@ BEHAVIOURS = Kind(
             "Frames of it, the most typical first; NaN not seen",
         ),
     ),
+    together=tuple(tuple(field.name for field in _held_out(prefix, "l", "")) for prefix in HELD_OUT),
 )
 
 RECOGNITION = Kind(
@@ -266,6 +271,10 @@ RECOGNITION = Kind(
         ),
         Field("truth_segment_time", "float64", ("t", 2), "s", "Its start and end", optional=True, domain=FINITE),
         Field("truth_segment_answer", "str", ("t",), "", "Its label", optional=True),
+    ),
+    together=(
+        ("segment_clip", "segment_time", "segment_answer", "segment_posterior"),
+        ("truth_segment_clip", "truth_segment_time", "truth_segment_answer"),
     ),
 )
 

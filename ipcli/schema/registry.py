@@ -1,8 +1,8 @@
 """All kinds of HDF5 artefacts by name, and what it takes to be one of a kind.
 
 A symbol in `dims` (h, w, k) must stand for one length throughout an artefact; in a field of a collection
-("views/*/depth") it is bound anew for each item. `Ref` says where the indices or names of
-a field have to be. `Domain` says which values a number may take. docs/formats.md is
+("views/*/depth") it is bound anew for each item. `Ref` says where the indices or names of a field have to be, `Domain`
+which values a number may take, `Kind.together` and `Kind.needs` which optional fields go with which. docs/formats.md is
 `markdown()`.
 
 Each module of this folder with a tuple `KINDS` is a chapter; it is found by being there.
@@ -51,7 +51,9 @@ def validate(kind: Kind, arrays: Mapping[str, np.ndarray]) -> None:
 
 
 def check_names(kind: Kind, names: Iterable[str]) -> None:
-    """Nothing unknown, nothing missing; every item of a collection has all that an item needs."""
+    """Nothing unknown, nothing missing; every item of a collection has all that an item needs, and what goes together
+    is there as a whole.
+    """
     found: dict[str, set[str]] = {"": set()}
     for name in names:
         field, item = kind.field(name)
@@ -60,6 +62,10 @@ def check_names(kind: Kind, names: Iterable[str]) -> None:
         for field in kind.fields:
             if bool(item) == ("*" in field.name) and not field.optional and field.name not in present:
                 raise SchemaError(f"{field.name.replace('*', item)}: missing from '{kind.name}'")
+        for needed, name in kind.required(present):
+            if needed not in (present if "*" in needed else found[""]):
+                needed, name = needed.replace("*", item), name.replace("*", item)
+                raise SchemaError(f"{needed}: missing, and {name} makes no sense without it")
 
 
 def check_arrays(kind: Kind, arrays: Mapping[str, np.ndarray]) -> None:
@@ -151,7 +157,14 @@ def markdown() -> str:
         lines += ["", f"## `{kind.name}`, version {kind.version}", "", kind.doc, ""]
         lines += ["| dataset | dtype | shape | units | meaning |", "|---|---|---|---|---|"]
         lines += [_row(field) for field in kind.fields]
+        lines += ["", *_going_together(kind)] if kind.together or kind.needs else []
     return "\n".join(lines) + "\n"
+
+
+def _going_together(kind: Kind) -> list[str]:
+    """In words which optional fields ask for others."""
+    groups = [f"- all or none of {', '.join(f'`{name}`' for name in group)}" for group in kind.together]
+    return ["Optional fields that go together:", "", *groups, *(f"- `{a}` only with `{b}`" for a, b in kind.needs)]
 
 
 def _row(field: Field) -> str:

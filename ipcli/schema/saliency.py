@@ -105,6 +105,11 @@ SALIENCY = Kind(
         Field("notes", "str", ("n",), "", "What was left out or is doubtful, and why"),
         Field("source", "str", (), "", "Kind of recording"),
     ),
+    together=(
+        ("groups/names", "groups/balanced", "elimination/names", "elimination/balanced", "folds/rates"),
+        ("membranes/parameters", "membranes/times", "membranes/shapes"),
+        tuple(field.name for field in MODEL),
+    ),
 )
 
 PREDICTOR = Kind(
@@ -128,6 +133,7 @@ PREDICTOR = Kind(
         Field("items", "str", ("i",), "", "Pictures or surfaces that it was learnt from"),
         Field("fixations", "int64", (), "1", "Fixations in them, or vertices that were looked at", domain=WEIGHT),
     ),
+    together=(tuple(f"trees/{name}" for name in ("feature", "threshold", "left", "right", "value", "start")),),
 )
 
 MAPS = Kind(
@@ -142,6 +148,11 @@ MAPS = Kind(
         Field("surfaces/*/normals", "float32", ("n", 3), "1", "Unit normals", optional=True, domain=FINITE),
         Field("surfaces/*/map", "float32", ("n",), "1", "Of each point", optional=True, domain=WEIGHT),
     ),
+    together=(
+        ("pictures/*/picture", "pictures/*/map"),
+        ("surfaces/*/points", "surfaces/*/map"),
+    ),
+    needs=(("surfaces/*/normals", "surfaces/*/points"),),
 )
 
 EVALUATION = Kind(
@@ -167,6 +178,12 @@ EVALUATION = Kind(
         Field("shown/*/truth", "float32", ("n",), "1", "How long vertices were looked at, smoothed", True, WEIGHT),
         Field("shown/*/predictors", "str", ("s",), "", "Predictors whose maps are kept", optional=True),
         Field("shown/*/maps", "float32", ("s", "a", "b"), "1", "Their maps; b = 1 on surfaces", True, MEASURED),
+    ),
+    together=(("shown/*/predictors", "shown/*/maps"),),
+    needs=(
+        ("shown/*/fixations", "shown/*/picture"),
+        ("shown/*/normals", "shown/*/points"),
+        ("shown/*/truth", "shown/*/points"),
     ),
 )
 

@@ -75,3 +75,46 @@ def test_a_short_attack_finds_no_fault():
     entries = run.attack({name: FEW for name, seed in SEEDS.items() if seed.weight == 1}, 1)
     assert len(entries) == FEW * sum(seed.weight == 1 for seed in SEEDS.values())
     assert [line for line in run.table(entries) if line.startswith(run.FAULTS)] == []
+
+
+REFUSED = {  # what was an internal error, a hang or a silent loss, as the smallest change to a seed
+    "gaze/gaze_files/pupil_core": ("gaze.csv", b"0.9,0.25", b"0.9,0.2'5"),
+    "gaze/gaze_files/aria": ("gaze.csv", b"0.1,0.2", b"0.1x,0.2"),
+    "gaze/gaze_files/tobii": ("gazedata.gz", b"\x03\xabV*", b"\x03\xff\xff\xff"),
+    "gaze/tum": ("depth.txt", None, b"# a comment\n"),
+    "materials/probes": ("a.npy", b"(4, 8, 3)", b"(4, 8, 3("),
+    "meshes/ply": ("a.ply", b"element vertex 4", b"element vertex " + b"9" * 5000),
+    "motion/utkinect": ("joints/actionLabel.txt", None, b"s01_e"),
+    "views/colmap": ("sparse/cameras.txt", b"1 PINHOLE 16 12", b"1 PINHOLE 0 12"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_attacks_found_is_refused(tmp_path, name):
+    file, before, after = REFUSED[name]
+    opened = SEEDS[name].write(tmp_path)
+    data = (tmp_path / file).read_bytes()
+    assert before is None or before in data
+    (tmp_path / file).write_bytes(after if before is None else data.replace(before, after, 1))
+    assert child.outcome(SEEDS[name], opened)[:2] == ("refused", "")
+
+
+LISTS = {  # files whose end can be lost without a rule being broken, and a line that a cut leaves whole
+    "fixations/folder": "fixations.csv",
+    "gaze/trajectories/tum": "a.tum",
+    "gaze/tum": "rgb.txt",
+    "meshes/read.obj": "a.obj",
+    "motion/files": "manifest.csv",
+    "motion/files/.csv": "a.csv",
+    "motion/files/.txt": "a14_s03_e02_skeleton3D.txt",
+    "motion/utkinect": "joints/actionLabel.txt",
+}
+
+
+@pytest.mark.parametrize("name", LISTS)
+def test_a_list_that_lost_its_last_end_of_line_is_read_with_a_word(tmp_path, name):
+    opened, path = SEEDS[name].write(tmp_path), tmp_path / LISTS[name]
+    whole = child.outcome(SEEDS[name], opened)[2]
+    path.write_bytes(path.read_bytes().rstrip(b" \n"))
+    found = child.outcome(SEEDS[name], opened)[2]
+    assert (found.items, found.words) == (whole.items, whole.words + 1)

@@ -198,11 +198,43 @@ def _identified(path: Path, file: Any) -> schema.Kind:
 
 
 def _names(file: Any) -> list[str]:
-    """Sorted names that no other name goes on from: datasets, and groups that are empty (which the schema refuses)."""
-    every: list[str] = []
-    file.visit(every.append)
-    groups = {name[:index] for name in every for index, letter in enumerate(name) if letter == "/"}
-    return sorted(set(every) - groups)
+    """Sorted names of datasets, and of groups that are empty (which the schema refuses).
+
+    ValueError names a link to elsewhere, and a second name of one thing: an artefact has neither, and what h5py's own
+    walk leaves out would be missed in silence.
+    """
+    import h5py
+
+    found: list[str] = []
+    seen = {h5py.h5o.get_info(file.id).addr}
+    groups = [("", file)]
+    while groups:
+        prefix, group = groups.pop()
+        if prefix and not len(group):
+            found.append(prefix[:-1])
+        for key in group:
+            name = f"{prefix}{key}"
+            _check_link(name, group.get(key, getlink=True))
+            thing = group[key]
+            address = h5py.h5o.get_info(thing.id).addr
+            if address in seen:
+                raise ValueError(f"{name} is a second name of something else in the file")
+            seen.add(address)
+            if isinstance(thing, h5py.Group):
+                groups.append((f"{name}/", thing))
+            else:
+                found.append(name)
+    return sorted(found)
+
+
+def _check_link(name: str, link: Any) -> None:
+    """ValueError for a soft or an external link."""
+    import h5py
+
+    if isinstance(link, h5py.ExternalLink):
+        raise ValueError(f"{name} is a link to {link.path} in another file, {link.filename}")
+    if isinstance(link, h5py.SoftLink):
+        raise ValueError(f"{name} is a soft link to {link.path}")
 
 
 def _dataset(path: Path, file: Any, name: str) -> Any:
@@ -211,6 +243,8 @@ def _dataset(path: Path, file: Any, name: str) -> Any:
     dataset = file[name]
     if not isinstance(dataset, h5py.Dataset) or dataset.shape is None or dataset.dtype.kind == "O":
         raise FormatError(path, f"{name} is not a plain array", fix=FIX)
+    if dataset.external or dataset.is_virtual:
+        raise FormatError(path, f"{name} lies in another file, which is not followed", fix=FIX)
     return dataset
 
 

@@ -16,7 +16,6 @@ from ipcli.measurements.names import natural
 IMAGES = (".png", ".jpg", ".jpeg")
 ENDS = ("\x1a", "\0")  # Ctrl-Z and zeros, which DOS put after the end of a text
 MOST_DIGITS = 15  # of a whole number in a file
-CUT = "the file ends without an end of line: its last number may be cut"  # what `cut_number` found, in words
 
 
 def require_folder(folder: Path) -> Path:
@@ -84,11 +83,6 @@ def read_any_text(path: Path) -> str:
             text = data.decode("latin-1")
     bare = text.rstrip()
     return bare.rstrip("".join(ENDS)) if bare.endswith(ENDS) else text
-
-
-def cut_number(text: str) -> bool:
-    """Whether a table of numbers ends without an end of line, so that its last number may have lost digits."""
-    return text.rstrip(" \t")[-1:] in set("0123456789.-+eE")
 
 
 def whole(word: str) -> int | None:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError
+from ipcli.inputs import warn_if_cut
 from ipcli.io.files.images import read_image
 from ipcli.measurements.fixations import FixatedPicture, FixationSet
 
@@ -45,7 +46,9 @@ def _rows(file: Path) -> list[dict[str, str]]:
     try:
         if file.stat().st_size > MOST_BYTES:
             raise FormatError(file, "too large", expected=f"at most {MOST_BYTES} bytes")
-        reader = csv.DictReader(file.read_text(encoding="utf-8-sig").splitlines())
+        text = file.read_text(encoding="utf-8-sig")
+        warn_if_cut(file, text)
+        reader = csv.DictReader(text.splitlines())
         names = reader.fieldnames or ()
         if missing := [name for name in NEEDED if name not in names]:
             raise FormatError(file, f"no column '{missing[0]}'", expected=", ".join(NEEDED), got=", ".join(names))

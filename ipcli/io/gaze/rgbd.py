@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
+from ipcli.inputs import warn_if_cut
 from ipcli.io.files import text as layout
 from ipcli.io.files.images import read_depth, read_image
 from ipcli.io.gaze import pictures, trajectories
@@ -104,6 +105,7 @@ def _recording(folder, names, times, pairs, intrinsics, scale: float, truth, sou
 def _index(path: Path) -> list[tuple[float, Path]]:
     """(time, file) of lines `time path`, in order of time."""
     entries = []
+    warn_if_cut(path, layout.read_text(path))
     for line, text in layout.comment_free(path):
         time, _, name = text.partition(" ")
         if not name:
@@ -115,4 +117,6 @@ def _index(path: Path) -> list[tuple[float, Path]]:
     times = [time for time, _ in entries]
     if len(set(times)) != len(times):
         raise FormatError(path, "one time twice", fix="Leave one of the two lines out")
+    if not entries:
+        raise FormatError(path, "lists nothing", expected="lines of a time and a file name", fix="Check the copy")
     return sorted(entries)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError
+from ipcli.inputs import warn_if_cut
 from ipcli.io.files import text as layout
 
 UNIT = 0.01  # how far a quaternion's length may be from 1
@@ -16,6 +17,7 @@ def read_tum(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Times (n,) and world_from_cam (n, 4, 4) of lines `time tx ty tz qx qy qz qw`, in order of time."""
     from scipy.spatial.transform import Rotation
 
+    warn_if_cut(path, layout.read_text(path))
     rows = [layout.numbers(path, line, text.replace(",", " ").split(), [8]) for line, text in layout.comment_free(path)]
     table = np.array(rows).reshape(-1, 8)
     if not len(table) or not np.isfinite(table).all():
@@ -49,6 +51,7 @@ def write_tum(times: np.ndarray, world_from_cam: np.ndarray, comment: str) -> st
 
 def read_kitti(path: Path, count: int) -> np.ndarray:
     """world_from_cam (count, 4, 4) of lines of 12 numbers."""
+    warn_if_cut(path, layout.read_text(path))
     rows = [layout.numbers(path, line, text.split(), [12]) for line, text in layout.comment_free(path)]
     if len(rows) != count:
         raise FormatError(

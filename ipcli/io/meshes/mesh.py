@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ipcli.errors import FormatError
+from ipcli.inputs import warn_if_cut
 
 SUFFIXES = (".ply", ".obj")
 
@@ -45,6 +46,8 @@ def _parse(path: Path) -> tuple[np.ndarray, np.ndarray]:
         ) from error
     if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
         raise FormatError(path, "a face names a vertex that is not there", fix="Check that the file is whole")
+    if path.suffix.lower() == ".obj":
+        warn_if_cut(path, path.read_bytes()[-1:].decode("latin-1"))
     return vertices, faces
 
 

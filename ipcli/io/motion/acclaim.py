@@ -18,7 +18,8 @@ import numpy as np
 
 from ipcli.errors import FormatError, nearest
 from ipcli.geometry.skeleton import NO_PARENT, Skeleton, forward_kinematics
-from ipcli.io.files.text import CUT, cut_number, read_any_text, whole
+from ipcli.inputs import CUT, cut_number
+from ipcli.io.files.text import read_any_text, whole
 from ipcli.measurements.motions import Motion, check_motion
 
 INCH = 0.0254  # metres

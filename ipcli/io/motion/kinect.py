@@ -15,9 +15,10 @@ import numpy as np
 
 from ipcli.errors import FormatError, nearest
 from ipcli.geometry.skeleton import Skeleton
+from ipcli.inputs import warn_if_cut
 from ipcli.io.files import matlab
 from ipcli.io.files.archive import is_archive, listing, unpacked
-from ipcli.io.files.text import comment_free, whole
+from ipcli.io.files.text import comment_free, read_text, whole
 from ipcli.measurements.motions import TEST, TRAIN, Clip, Clips, Motion, check_motion
 
 FLORENCE_RATE = 30.0  # Hz, the sensor's; the files do not say which frames were kept
@@ -147,6 +148,7 @@ def _cuts(path: Path) -> dict[str, tuple[str, str, int, int]]:
     """Clip name -> (take, label, first frame, last frame); actions marked NaN are left out."""
     cuts: dict[str, tuple[str, str, int, int]] = {}
     take = ""
+    warn_if_cut(path, read_text(path))
     for line, text in comment_free(path):
         label, colon, frames = text.partition(":")
         if not colon:
@@ -164,6 +166,8 @@ def _cuts(path: Path) -> dict[str, tuple[str, str, int, int]]:
         if f"{take}_{label.strip()}" in cuts:
             raise FormatError(path, f"line {line}: '{text[:40]}' is in this take twice", fix=DAMAGED)
         cuts[f"{take}_{label.strip()}"] = (take, label.strip(), int(words[0]), int(words[1]))
+    if not cuts:
+        raise FormatError(path, "holds no action", expected="a take, then lines `action: first last`", fix=DAMAGED)
     return cuts
 
 

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError
-from ipcli.io.files.text import comment_free, numbers
+from ipcli.inputs import CUT, cut_number
+from ipcli.io.files.text import comment_free, numbers, read_text
 from ipcli.io.motion.kinect import KINECT
 from ipcli.measurements.motions import Motion, check_motion
 
@@ -58,4 +59,5 @@ def read(path: Path, *, rate: float | None = None, unit: float | None = None) ->
         raise FormatError(path, "coordinates of pixels, not of the world", expected="metres", fix=fix)
     positions[(positions == 0).all(axis=-1)] = np.nan
     ordered = positions[:, [JOINTS.index(name) for name in KINECT.joints]] * [1.0, 1.0, -1.0]
-    return check_motion(Motion(KINECT, ordered * (1.0 if unit is None else unit), rate or RATE), path)
+    notes = (CUT,) if cut_number(read_text(path)) else ()
+    return check_motion(Motion(KINECT, ordered * (1.0 if unit is None else unit), rate or RATE, notes=notes), path)

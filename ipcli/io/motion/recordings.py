@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
+from ipcli.inputs import warn_if_cut
 from ipcli.io.files.archive import Unpacked, is_archive, listing, unpacked
 from ipcli.io.files.text import read_text, whole
 from ipcli.io.motion import acclaim, bvh, c3d, msr, tables, trc
@@ -272,7 +273,9 @@ def _uniquely_named(found: Sequence[Recording], folder: Path) -> list[Recording]
 
 
 def _of_manifest(manifest: Path, folder: Path) -> list[Recording]:
-    header, *rows = tables.table_rows(manifest, read_text(manifest)) or [[]]
+    text = read_text(manifest)
+    warn_if_cut(manifest, text)
+    header, *rows = tables.table_rows(manifest, text) or [[]]
     header = [column.strip().lower() for column in header]
     known = {"path", "label", "actor", "start", "stop", "name", "split"}
     columns = set(header)

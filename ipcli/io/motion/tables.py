@@ -19,7 +19,8 @@ import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.geometry.skeleton import NO_PARENT, Skeleton
-from ipcli.io.files.text import CUT, cut_number, read_text
+from ipcli.inputs import CUT, cut_number
+from ipcli.io.files.text import read_text
 from ipcli.io.motion.quaternions import matrices
 from ipcli.measurements.motions import Motion, check_motion
 

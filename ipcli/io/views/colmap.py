@@ -169,6 +169,8 @@ def _pictures(folder: Path, kind: str) -> tuple[dict[str, _Picture], int]:
                 got=model,
                 fix="Give the output folder of `colmap image_undistorter`",
             )
+        if min(size) < 1:
+            raise FormatError(sparse, f"camera of {name!r} has no size", got=f"{size[0]} x {size[1]}")
         depth = folder / "stereo" / "depth_maps" / f"{name}.{kind}.bin"
         pictures[name] = _Picture(folder / "images" / name, depth, intrinsics, size, cam_from_world)
     return pictures, unposed

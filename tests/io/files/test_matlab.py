@@ -28,3 +28,14 @@ def test_damaged_ones_are_refused_with_their_cure(tmp_path, data):
 def test_one_that_is_not_there_is_said_so(tmp_path):
     with pytest.raises(FormatError, match="no such file"):
         matlab.read(tmp_path / "a.mat")
+
+
+def test_the_format_7_3_is_named_with_the_way_out(tmp_path):
+    import h5py
+
+    with h5py.File(tmp_path / "a.mat", "w", userblock_size=512) as file:
+        file["x"] = h5py.ExternalLink("/etc/hosts", "/x")
+    head = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM"
+    (tmp_path / "a.mat").write_bytes(head + (tmp_path / "a.mat").read_bytes()[len(head) :])
+    with pytest.raises(FormatError, match=r"a\.mat: saved as MATLAB v7\.3.*save\('NAME\.mat', '-v7'\)"):
+        matlab.read(tmp_path / "a.mat")

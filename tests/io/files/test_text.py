@@ -169,10 +169,6 @@ def test_what_dos_put_after_the_end_is_left_out(tmp_path, end):
     assert text.read_any_text(tmp_path / "a.txt") == "1 2\n3 4\n"
 
 
-def test_a_number_at_the_very_end_may_be_cut():
-    assert [text.cut_number(end) for end in ("1 2\n3 10", "1.", "1 2\n", "", "a}")] == [True, True, False, False, False]
-
-
 def test_whole_numbers_are_ascii_digits_of_a_length_that_occurs():
     assert text.whole("0012") == 12
     assert [text.whole(word) for word in ("", "-1", "1.0", "²", "٣", "9" * 5000, "x")] == [None] * 7
