@@ -38,7 +38,7 @@ from ipcli.models.mocap.training import learn_behaviours
 from ipcli.params import as_dict, leaves, resolve
 from ipcli.progress import Progress, silent
 from ipcli.provenance import record
-from ipcli.stages.fusion.fuse_depth import fused_arrays
+from ipcli.stages.fusion.fuse_depth import fused_arrays, reference_of
 from ipcli.stages.fusion.parameters import FuseDepth
 from ipcli.stages.fusion.sources import middle
 from ipcli.stages.mocap.mocap_classify import recognised_arrays
@@ -142,7 +142,13 @@ def fuse(
     params = _resolved(FuseDepth, ("fusion",), settings | ({} if reference is None else {"reference": reference}))
     name = params.reference or middle(source.names)
     names = names_around(source.names, name, params.window or len(source.names))
-    return _result("fused-depth", "fuse-depth", fused_arrays(source, names, name, params, progress), params, 0)
+    return _result(
+        "fused-depth",
+        "fuse-depth",
+        fused_arrays(source, names, reference_of(source, name, params), params, progress),
+        params,
+        0,
+    )
 
 
 def learn(clips: Clips | str | Path, *, rate: float = 30.0, seed: int = 0, **settings: Any) -> ActionModel:

@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 from ipcli.errors import FormatError, ParameterError, nearest
 
 ENVIRONMENT = "IPCLI_"
-NOT_PARAMETERS = ("IPCLI_THREADS", "IPCLI_SEED", "IPCLI_EXECUTOR", "IPCLI_DATA")
+NOT_PARAMETERS = ("IPCLI_THREADS", "IPCLI_SEED", "IPCLI_EXECUTOR", "IPCLI_DATA", "IPCLI_MAX_MEMORY")
 SHIPPED = Path(__file__).parent / "configs"  # COMMAND/NAME.toml
 MOST_INT = (1 << 63) - 1
 TRUTH = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}

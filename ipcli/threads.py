@@ -28,8 +28,12 @@ def set_count(count: int) -> None:
 
 def count() -> int:
     """Threads to use: those that were set, or the processors this process may run on."""
-    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return int(os.environ.get(VARIABLES[0]) or available or 1)
+    return int(os.environ.get(VARIABLES[0]) or available())
+
+
+def available() -> int:
+    """Processors that this process may run on."""
+    return (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()) or 1
 
 
 def blocks(height: int, least: int = 1) -> list[tuple[int, int]]:

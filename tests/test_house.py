@@ -24,7 +24,19 @@ from ipcli.cli import main as cli
 from tests.fixtures import house
 from tests.fixtures.house import PACKAGE, ROOT, chapter, floor, modules
 
-GROUND = {"__init__", "errors", "inputs", "schema", "params", "provenance", "rng", "executor", "threads", "progress"}
+GROUND = {
+    "__init__",
+    "errors",
+    "inputs",
+    "schema",
+    "params",
+    "provenance",
+    "rng",
+    "executor",
+    "threads",
+    "progress",
+    "memory",
+}
 MATHEMATICS = {"geometry", "kernels", "errors", "params", "rng", "threads", "progress"}
 MAY_IMPORT = {
     "kernels": {"__init__"},  # the version, for the cache; a cached kernel must not depend on another file

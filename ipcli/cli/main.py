@@ -154,7 +154,9 @@ def _guarded(command: click.Command, name: str, arguments: list[str] | None) -> 
     except OSError as error:
         return _failed(f"{error.filename}: {error.strerror}" if error.filename else str(error), 1)
     except MemoryError:
-        return _failed("out of memory. Fewer or smaller views, or --executor serial, need less", 1)
+        return _failed(
+            "out of memory. A smaller --max-memory, fewer or smaller views, or --executor serial, need less", 1
+        )
     except Exception as error:
         return _failed(
             f"internal error: {type(error).__name__}: {error}. Run again with -vv and report what it prints", 1

@@ -1,6 +1,6 @@
 """The options that commands share, each declared once.
 
-`@reading`         -v -q --json                                              for commands that only read
+`@reading`         -v -q --json --max-memory                                 for commands that only read
 `@common`          these and --threads --seed --overwrite -n --executor      for commands that make artefacts
 `@output(help)`     -o
 `@parameters(Cls)` a flag for each `option(flag=...)` of a params dataclass, --set for the rest, --config for a file
@@ -68,6 +68,12 @@ EXECUTOR = click.option(
     envvar="IPCLI_EXECUTOR",
     help="Where many items run: serial, processes:N, dask or dask:ADDRESS.  [default: serial]",
 )
+MAX_MEMORY = click.option(
+    "--max-memory",
+    metavar="AMOUNT",
+    envvar="IPCLI_MAX_MEMORY",
+    help="Memory to keep within, such as 2GB; what is larger is cut into tiles or refused.  [default: 75%]",
+)
 PATH = click.Path(path_type=Path)  # type of every argument that is a file or folder
 CONFIG = click.option(
     "--config",
@@ -85,22 +91,23 @@ def output(help: str) -> Callable:
 
 def reading(command: Callable) -> Callable:
     """Options of a command that only reads."""
-    return _with_run(command, (JSON, QUIET, VERBOSE))
+    return _with_run(command, (JSON, QUIET, VERBOSE, MAX_MEMORY))
 
 
 def common(command: Callable) -> Callable:
     """Options of a command that makes artefacts."""
-    return _with_run(command, (JSON, QUIET, VERBOSE, DRY_RUN, OVERWRITE, EXECUTOR, SEED, THREADS))
+    return _with_run(command, (JSON, QUIET, VERBOSE, DRY_RUN, OVERWRITE, EXECUTOR, SEED, MAX_MEMORY, THREADS))
 
 
 def _with_run(command: Callable, decorators: tuple[Callable, ...]) -> Callable:
     @functools.wraps(command)
-    def body(*, verbose: int, quiet: bool, **given: Any) -> Any:
-        from ipcli import threads
+    def body(*, verbose: int, quiet: bool, max_memory: str | None, **given: Any) -> Any:
+        from ipcli import memory, threads
 
         names = given.keys() & Run.__dataclass_fields__.keys()
         run = Run(verbosity=-1 if quiet else verbose, **{name: given.pop(name) for name in names})
         threads.set_count(run.threads)
+        memory.set_budget(max_memory)
         return command(run=run, **given)
 
     return functools.reduce(lambda function, decorate: decorate(function), decorators, body)

@@ -9,15 +9,20 @@ from __future__ import annotations
 import numpy as np
 
 
-def rays(shape: tuple[int, int], intrinsics: np.ndarray) -> np.ndarray:
-    """Directions K^-1 (u, v, 1) of all pixels, (h, w, 3) float64: z is 1, so that depth times ray is the point."""
+def rays(shape: tuple[int, int], intrinsics: np.ndarray, top: int = 0) -> np.ndarray:
+    """Directions K^-1 (u, v, 1) of all pixels, (h, w, 3) float64: z is 1, so that depth times ray is the point. Rows
+    count from `top`.
+    """
     v, u = np.indices(shape, dtype=np.float64)
+    v += top
     return np.stack([u, v, np.ones(shape)], axis=-1) @ np.linalg.inv(intrinsics).T
 
 
-def back_project(depth: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
-    """Points (h, w, 3) in the camera frame and the unit of ``depth`` (h, w); NaN where the depth is."""
-    return depth[..., None] * rays(depth.shape, intrinsics)
+def back_project(depth: np.ndarray, intrinsics: np.ndarray, top: int = 0) -> np.ndarray:
+    """Points (h, w, 3) in the camera frame and the unit of ``depth`` (h, w); NaN where the depth is. Rows count from
+    `top`.
+    """
+    return depth[..., None] * rays(depth.shape, intrinsics, top)
 
 
 def project(points: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:

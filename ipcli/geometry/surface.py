@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 import numpy as np
 
 from ipcli import threads
@@ -44,15 +47,53 @@ def triangulate(depth: np.ndarray, keep: np.ndarray, jump: float = 0.05) -> tupl
     Vertices are the pixels of `keep` (h, w). A quad is left open where its depths differ by more than the share `jump`:
     an occlusion boundary, not a surface. Faces turn counter-clockwise as seen from the camera.
     """
-    h, w = depth.shape
-    pixels = np.flatnonzero(keep)
-    number = np.full(h * w, -1, np.int32)
-    number[pixels] = np.arange(pixels.size, dtype=np.int32)
-    corner = number.reshape(h, w)
-    a, b, c, d = corner[:-1, :-1], corner[:-1, 1:], corner[1:, 1:], corner[1:, :-1]
-    z = np.stack([depth[:-1, :-1], depth[:-1, 1:], depth[1:, 1:], depth[1:, :-1]])
-    with np.errstate(invalid="ignore"):
-        whole = (z.max(axis=0) <= (1 + jump) * z.min(axis=0)) & (np.stack([a, b, c, d]).min(axis=0) >= 0)
-    a, b, c, d = (corners[whole] for corners in (a, b, c, d))
-    faces = np.concatenate([np.stack([a, d, c], axis=-1), np.stack([a, c, b], axis=-1)])
-    return pixels, faces
+    grid = PixelGrid.of(depth, keep, jump)
+    return np.flatnonzero(keep), np.concatenate(list(grid.faces()))
+
+
+BAND = 256  # rows of a grid that are made into triangles at once
+
+
+@dataclass(frozen=True, eq=False)
+class PixelGrid:
+    """The triangles of `triangulate`, made a band of rows at a time: those of a large map take several times its
+    memory.
+    """
+
+    depth: np.ndarray  # (h, w)
+    number: np.ndarray  # (h, w) int32, of the vertex at a pixel, -1 where there is none
+    jump: float
+
+    @classmethod
+    def of(cls, depth: np.ndarray, keep: np.ndarray, jump: float = 0.05) -> PixelGrid:
+        """Of the pixels of `keep` (h, w) of a depth map (h, w)."""
+        number = np.full(keep.shape, -1, np.int32)
+        number[keep] = np.arange(np.count_nonzero(keep), dtype=np.int32)
+        return cls(depth, number, jump)
+
+    def bands(self) -> list[slice]:
+        """The rows, in bands."""
+        height = len(self.depth)
+        return [slice(top, min(top + BAND, height)) for top in range(0, height, BAND)]
+
+    def count(self) -> int:
+        """How many triangles there are."""
+        return 2 * sum(len(corners) for corners in map(self._quads, self.bands()))
+
+    def faces(self) -> Iterator[np.ndarray]:
+        """Triangles (m, 3) into the vertices: first one of each quad, band by band, then the other."""
+        for corners in ((0, 3, 2), (0, 2, 1)):
+            for rows in self.bands():
+                yield self._quads(rows)[:, corners]
+
+    def _quads(self, rows: slice) -> np.ndarray:
+        """Vertices (m, 4), clockwise from the upper left, of the quads whose upper row is one of these."""
+
+        def corners(image: np.ndarray) -> np.ndarray:
+            part = image[rows.start : rows.stop + 1]
+            return np.stack([part[:-1, :-1], part[:-1, 1:], part[1:, 1:], part[1:, :-1]])
+
+        z, number = corners(self.depth), corners(self.number)
+        with np.errstate(invalid="ignore"):
+            whole = (z.max(axis=0) <= (1 + self.jump) * z.min(axis=0)) & (number.min(axis=0) >= 0)
+        return number[:, whole].T

@@ -6,8 +6,11 @@ Models decide by these figures and pages show them.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import ceil, sqrt
 
 import numpy as np
+
+MOST_PIXELS = 4_000_000  # of a map whose errors are measured at every pixel
 
 
 def mean_over_scenes(values: np.ndarray, columns: Sequence[str], *, arithmetic: bool = False) -> np.ndarray:
@@ -27,6 +30,18 @@ def depth_average(values: np.ndarray, columns: Sequence[str]) -> np.ndarray:
     three = values[..., [names.index(name) for name in ("centred RMSE", "Z-MAE", "N-MAE rad")]]
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.exp(np.log(three).mean(axis=-1))
+
+
+def thinning(pixels: int, most: int = MOST_PIXELS) -> int:
+    """So many-th rows and columns of a map are enough to measure by: sorting all of a large one takes its memory
+    several times over and tells nothing more.
+    """
+    return max(1, ceil(sqrt(pixels / most)))
+
+
+def thinned_camera(intrinsics: np.ndarray, step: int) -> np.ndarray:
+    """Intrinsics (3, 3) of the picture that every `step`-th row and column of another make up."""
+    return np.diag([1 / step, 1 / step, 1.0]) @ intrinsics
 
 
 def sparsification_curve(error: np.ndarray, key: np.ndarray, points: int = 60) -> tuple[np.ndarray, np.ndarray]:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from ipcli.geometry import surface
 from ipcli.geometry.cameras import back_project, rays
 from ipcli.geometry.surface import normals, normals_of_slopes, triangulate
 
@@ -108,3 +109,16 @@ def test_only_kept_pixels_are_vertices_and_faces_index_them():
     none = triangulate(depth, np.zeros(SHAPE, bool))
     assert none[0].size == 0
     assert none[1].shape == (0, 3)
+
+
+def test_triangles_made_in_bands_are_those_made_at_once(monkeypatch):
+    rng = np.random.default_rng(0)
+    depth, keep = plane((0.4, 0, 1)) + rng.normal(0, 0.05, SHAPE), rng.random(SHAPE) > 0.1
+    at_once = triangulate(depth, keep)[1]
+    monkeypatch.setattr(surface, "BAND", 7)
+    grid = surface.PixelGrid.of(depth, keep)
+    np.testing.assert_array_equal(np.concatenate(list(grid.faces())), at_once)
+    assert grid.count() == len(at_once)
+    assert grid.bands()[-1].stop == SHAPE[0]
+    for rows in grid.bands():
+        np.testing.assert_array_equal(back_project(depth[rows], K, rows.start), back_project(depth, K)[rows])

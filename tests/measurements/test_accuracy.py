@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ipcli.measurements.accuracy import depth_average, mean_over_scenes, sparsification_curve
+from ipcli.measurements.accuracy import depth_average, mean_over_scenes, sparsification_curve, thinned_camera, thinning
 
 
 def test_errors_have_a_geometric_mean_and_percentages_an_arithmetic_one():
@@ -31,3 +31,12 @@ def test_sparsification_against_its_definition():
     assert shares[-1] == 100
     assert kept[-1] == pytest.approx(error.mean())
     assert (sparsification_curve(error, error)[1] <= kept + 1e-12).all()
+
+
+def test_maps_are_thinned_only_beyond_the_most_pixels_and_the_camera_with_them():
+    assert thinning(4_000_000) == 1
+    assert thinning(20_000_000) == 3
+    assert 20_000_000 / thinning(20_000_000, 1_000_000) ** 2 <= 1_000_000
+    camera = np.array([[60.0, 0, 22.5], [0, 58.0, 17.5], [0, 0, 1]])
+    point = np.array([0.3, 0.1, 2.0])
+    np.testing.assert_allclose((thinned_camera(camera, 3) @ point)[:2], (camera @ point)[:2] / 3)

@@ -13,6 +13,7 @@ from pathlib import Path
 from tarfile import HeaderError, ReadError
 from tempfile import TemporaryDirectory
 
+from ipcli import memory
 from ipcli.errors import FormatError
 
 CHUNK = 1 << 20
@@ -47,9 +48,13 @@ def listing(path: Path) -> tuple[str, ...]:
 def _members(path: Path, changed: int) -> tuple[str, ...]:
     """The list of a whole archive costs its decompression: once for each state of the file."""
     with _opened(path) as tar:
-        names = tuple(sorted(member.name for member in tar.getmembers() if member.isfile()))
+        names, size = [], 0
+        for member in tar:
+            size += member.size
+            memory.check(path, size, "files", "Raise --max-memory, or unpack it yourself and give the folder")
+            names += [member.name] if member.isfile() else []
         _check_end(path, tar)
-    return names
+    return tuple(sorted(names))
 
 
 def unpacked(path: Path) -> Unpacked:

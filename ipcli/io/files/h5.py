@@ -7,6 +7,7 @@ loop.
 
 from __future__ import annotations
 
+import io
 import json
 import zlib
 from collections.abc import Callable, Iterator, Mapping
@@ -17,13 +18,14 @@ from typing import Any
 
 import numpy as np
 
-from ipcli import schema
+from ipcli import memory, schema
 from ipcli.errors import FormatError, IpcliError, VersionTooNew, VersionTooOld
 from ipcli.inputs import check_file
 from ipcli.io.files import atomic
 
 LAYOUT = ("v108", "v108")
 BLOCK = 1 << 22  # bytes by which a file in memory grows
+IN_MEMORY = 1 << 27  # bytes: a larger artefact is written straight to the disk
 DEFLATE_LIMIT = 1100  # deflate cannot expand further; a dataset that claims more is damaged
 FIX = "Make it again, or check that the copy is complete"
 # all that h5py is known to raise on damaged files
@@ -69,20 +71,81 @@ def write(path: Path, kind_name: str, arrays: Mapping[str, np.ndarray], provenan
 
     kind = schema.kind(kind_name)
     schema.validate(kind, arrays)
-    # In memory first: HDF5 that is refused by a full disk half-way through takes the process down with it.
-    with h5py.File(path.name, "w", libver=LAYOUT, driver="core", backing_store=False, block_size=BLOCK) as file:
-        _set_text(file, "ipcli_kind", kind.name)
-        file.attrs["ipcli_version"] = kind.version
-        _set_text(file, "provenance", json.dumps(provenance, allow_nan=False))
-        for name in sorted(arrays):
-            _write_dataset(file, name, kind.field(name)[0], np.asarray(arrays[name]))
-        file.attrs["ipcli_complete"] = 1
-        file.flush()
-        image = file.id.get_file_image()
+    record = json.dumps(provenance, allow_nan=False)
     try:
+        if sum(np.asarray(array).nbytes for array in arrays.values()) > IN_MEMORY:
+            with atomic.replacing(path) as draft, draft.open("w+b", buffering=0) as disk:
+                _write_to(ForgivingFile(disk), kind, arrays, record)
+            return
+        # HDF5 that is refused by a full disk half-way through takes the process down with it.
+        with h5py.File(path.name, "w", libver=LAYOUT, driver="core", backing_store=False, block_size=BLOCK) as file:
+            _fill(file, kind, arrays, record)
+            file.flush()
+            image = file.id.get_file_image()
         atomic.write_bytes(path, image)
     except OSError as error:
         raise IpcliError(f"{path}: cannot be written: {_one_line(error)}") from error
+
+
+class ForgivingFile(io.RawIOBase):
+    """A file on disk that keeps the first error of a write to itself, and takes the rest for written."""
+
+    def __init__(self, disk: Any):
+        self._disk = disk
+        self.error: OSError | None = None
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        """Go to an offset."""
+        return self._disk.seek(offset, whence)
+
+    def tell(self) -> int:
+        """The offset."""
+        return self._disk.tell()
+
+    def readinto(self, buffer: Any) -> int:
+        """Read what was written."""
+        return self._disk.readinto(buffer)
+
+    def write(self, data: Any) -> int:
+        """Write all of it, or nothing any more after an error."""
+        try:
+            rest = memoryview(data).cast("B")
+            while self.error is None and len(rest):
+                rest = rest[self._disk.write(rest) :]
+        except OSError as error:
+            self.error = error
+        return memoryview(data).nbytes
+
+    def truncate(self, size: int | None = None) -> int:
+        """Cut or lengthen the file."""
+        try:
+            return self._disk.truncate(size)
+        except OSError as error:
+            self.error = self.error or error
+            return size or 0
+
+
+def _write_to(disk: ForgivingFile, kind: schema.Kind, arrays: Mapping[str, np.ndarray], record: str) -> None:
+    """The artefact on a disk; the OSError of the first write that it refused."""
+    import h5py
+
+    try:
+        with h5py.File(disk, "w", libver=LAYOUT) as file:
+            _fill(file, kind, arrays, record)
+    except Exception:  # what was taken for written cannot be read back
+        if disk.error is None:
+            raise
+    if disk.error is not None:
+        raise disk.error
+
+
+def _fill(file: Any, kind: schema.Kind, arrays: Mapping[str, np.ndarray], record: str) -> None:
+    _set_text(file, "ipcli_kind", kind.name)
+    file.attrs["ipcli_version"] = kind.version
+    _set_text(file, "provenance", record)
+    for name in sorted(arrays):
+        _write_dataset(file, name, kind.field(name)[0], np.asarray(arrays[name]))
+    file.attrs["ipcli_complete"] = 1
 
 
 def _write_dataset(file: Any, name: str, field: schema.Field, array: np.ndarray) -> None:
@@ -252,6 +315,7 @@ def _read_dataset(path: Path, file: Any, name: str) -> np.ndarray:
     dataset = _dataset(path, file, name)
     if dataset.nbytes > DEFLATE_LIMIT * dataset.id.get_storage_size():
         raise FormatError(path, f"{name} claims more data than is stored", fix=FIX)
+    memory.check(path, dataset.nbytes, f"{name} of shape {dataset.shape}")
     array = np.asarray(dataset[()])
     if array.dtype.kind == "S":
         array = np.char.decode(array, "utf-8")

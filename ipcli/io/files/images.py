@@ -11,14 +11,17 @@ from pathlib import Path
 
 import numpy as np
 
+from ipcli import memory
 from ipcli.errors import FormatError, IpcliError
 from ipcli.inputs import check_file
 from ipcli.io.files import atomic, exr, npz
+from ipcli.io.files.picture_size import declared_size
 
 PNG = b"\x89PNG\r\n\x1a\n"
 JPEG, JPEG_SCAN, JPEG_END = b"\xff\xd8\xff", b"\xff\xda", b"\xff\xd9"
 SATURATED = 65535
 DEPTH_SUFFIXES = (".png", ".pfm", ".tif", ".tiff", ".npy", ".npz", ".exr")
+BYTES_A_PIXEL = 8  # of a decoded image, at the most: 4 channels of 16 bits
 FAR, FAR_PIXELS = 1000.0, 10  # of the median of the rest, and so many pixels alike: a background without a surface
 
 
@@ -163,6 +166,8 @@ def decoded(path: Path, data: bytes, as_colour: bool) -> np.ndarray:
 
     if (data.startswith(PNG) and not _whole_png(data)) or (data.startswith(JPEG) and not _whole_jpeg(data)):
         raise FormatError(path, "truncated or damaged image", fix="Copy it again")
+    if size := declared_size(data):
+        memory.check(path, BYTES_A_PIXEL * size[0] * size[1], f"{size[0]} x {size[1]} pixels")
     level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # else it prints what we raise
     try:
         flags = cv2.IMREAD_COLOR if as_colour else cv2.IMREAD_UNCHANGED

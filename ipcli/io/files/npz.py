@@ -12,6 +12,7 @@ from tokenize import TokenError
 
 import numpy as np
 
+from ipcli import memory
 from ipcli.errors import FormatError, IpcliError
 from ipcli.inputs import check_file
 from ipcli.io.files import atomic
@@ -38,10 +39,14 @@ def write(path: Path, arrays: Mapping[str, np.ndarray], *, durable: bool = True)
 
 
 def read(path: Path) -> dict[str, np.ndarray]:
-    """All arrays by name, checksums verified. FormatError for whatever is not a sound NPZ of numbers."""
+    """All arrays by name, checksums verified. FormatError for what is not a sound NPZ of numbers, or does not fit into
+    the memory.
+    """
     check_file(path)
     try:
         with zipfile.ZipFile(path) as archive:
+            sizes = [item.file_size for item in archive.infolist()]
+            memory.check(path, sum(sizes) + max(sizes, default=0), "unpacked arrays")  # one is there as bytes, too
             return {name.removesuffix(".npy"): _array(archive.read(name)) for name in archive.namelist()}
     except UNREADABLE as error:
         raise FormatError(

@@ -6,7 +6,7 @@ checked.
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -80,6 +80,43 @@ def write(
 
     Raises IpcliError for shapes that disagree, face indices out of range, or a type or name that PLY does not have.
     """
+    band = vertex_table(path, vertices, normals, colors, extra)
+    parts = None if faces is None else [np.asarray(faces)]
+    write_bands(path, [band], (len(band), 0 if faces is None else len(faces)), parts, comments)
+
+
+def write_bands(
+    path: Path,
+    bands: Iterable[np.ndarray],
+    counts: tuple[int, int],
+    faces: Iterable[np.ndarray] | None,
+    comments: Sequence[str],
+) -> None:
+    """Write atomically what comes in parts: tables of vertices as `vertex_table` makes them, and triangles into all
+    vertices. `counts` says how many of both there are; IpcliError if there are not, and as `write`.
+    """
+    found = [0, 0]
+    with atomic.replacing(path) as draft, draft.open("wb") as stream:
+        for band in bands:
+            if not stream.tell():
+                stream.write(_header_text(path, band.dtype, counts, faces is not None, comments))
+            stream.write(band.tobytes())
+            found[0] += len(band)
+        for part in faces or ():
+            stream.write(_pack_faces(path, part, counts[0]).tobytes())
+            found[1] += len(part)
+        if tuple(found) != counts:
+            raise IpcliError(f"{path}: expected {counts} vertices and faces, got {tuple(found)}")
+
+
+def vertex_table(
+    path: Path,
+    vertices: np.ndarray,
+    normals: np.ndarray | None = None,
+    colors: np.ndarray | None = None,
+    extra: Mapping[str, np.ndarray] | None = None,
+) -> np.ndarray:
+    """Vertices (n, 3) and what belongs to them as a structured array (n,); IpcliError as `write`."""
     vertices = _floats(vertices)
     columns = dict(zip(POSITION, vertices.T, strict=True))
     if normals is not None:
@@ -88,10 +125,7 @@ def write(
         columns |= zip(COLOUR, np.asarray(colors, np.uint8).T, strict=True)
     for name, values in (extra or {}).items():
         columns[_new_name(path, name, columns)] = np.asarray(values)
-    table = _table(path, columns, len(vertices))
-    triangles = None if faces is None else _pack_faces(path, np.asarray(faces), len(vertices))
-    header = _header_text(path, table, triangles, comments)
-    atomic.write_bytes(path, header + table.tobytes() + (b"" if triangles is None else triangles.tobytes()))
+    return _table(path, columns, len(vertices))
 
 
 def _floats(vertices: np.ndarray) -> np.ndarray:
@@ -126,14 +160,16 @@ def _pack_faces(path: Path, faces: np.ndarray, count: int) -> np.ndarray:
     return packed
 
 
-def _header_text(path: Path, table: np.ndarray, triangles: np.ndarray | None, comments: Sequence[str]) -> bytes:
+def _header_text(
+    path: Path, vertex: np.dtype, counts: tuple[int, int], has_faces: bool, comments: Sequence[str]
+) -> bytes:
     lines = ["ply", "format binary_little_endian 1.0", *(f"comment {_escaped(text)}" for text in comments)]
     lines += [
-        f"element vertex {len(table)}",
-        *(f"property {NAMES[table.dtype[name]]} {name}" for name in table.dtype.names or ()),
+        f"element vertex {counts[0]}",
+        *(f"property {NAMES[vertex[name]]} {name}" for name in vertex.names or ()),
     ]
-    if triangles is not None:
-        lines += [f"element face {len(triangles)}", "property list uchar int vertex_indices"]
+    if has_faces:
+        lines += [f"element face {counts[1]}", "property list uchar int vertex_indices"]
     if any("\n" in line or not line.isascii() for line in lines):
         raise IpcliError(f"{path}: comments of a PLY file are single lines of ASCII")
     return "\n".join(lines).encode() + b"\n" + END

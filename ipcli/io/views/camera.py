@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ipcli import memory
 from ipcli.errors import FormatError
 from ipcli.inputs import read_toml
 from ipcli.io.files.text import camera_matrix
@@ -30,6 +31,7 @@ def read(path: Path) -> View:
             path, "the image has no size", expected="width, height >= 2", got=(given["width"], given["height"])
         )
     pose, values = (_numbers(path, given, key, count) for key, count in (("cam_from_world", 16), ("intrinsics", 4)))
+    memory.check(path, 4 * given["width"] * given["height"], f"{given['width']} x {given['height']} pixels")
     nothing = np.full((given["height"], given["width"]), np.nan, np.float32)
     return check_view(View(path.stem, nothing, camera_matrix(values), pose.reshape(4, 4)), path)
 

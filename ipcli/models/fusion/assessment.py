@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ipcli import threads
-from ipcli.measurements.accuracy import sparsification_curve
+from ipcli.measurements.accuracy import sparsification_curve, thinned_camera, thinning
 from ipcli.measurements.views import View
 from ipcli.models.fusion.confidence import view_angle
 from ipcli.models.fusion.fuse import Fused
@@ -52,26 +52,33 @@ def error_table(fused: Fused, reference: View, baseline_focal: float | None) -> 
     """Errors of the reference view, mean, median and fused map, if the truth is known; nothing if not.
 
     The fused map counts where something was observed, as the others do, and once more with what fills it. Whether
-    its confidence knows where it errs is told beside what the mere angle of view (4.35) would know.
+    its confidence knows where it errs is told beside what the mere angle of view (4.35) would know. Of a map beyond
+    MOST_PIXELS of `measurements.accuracy` only so many-th rows and columns are looked at.
     """
     if reference.truth is None:
         return {}
-    observed = fused.observations > 0
-    maps = {"reference": reference.depth, "mean": fused.mean, "median": fused.median}
-    maps["fused"] = np.where(observed, fused.depth, np.nan).astype(np.float32)
+    step = thinning(fused.depth.size)
+
+    def thin(image: np.ndarray) -> np.ndarray:
+        return np.ascontiguousarray(image[::step, ::step])
+
+    truth, camera = thin(reference.truth), thinned_camera(reference.intrinsics, step)
+    observed, depth = thin(fused.observations) > 0, thin(fused.depth)
+    maps = {"reference": thin(reference.depth), "mean": thin(fused.mean), "median": thin(fused.median)}
+    maps["fused"] = np.where(observed, depth, np.nan).astype(np.float32)
     if not observed.all():
-        maps["fused, filled"] = fused.depth
-    own = {name: fused.normals for name in maps if name.startswith("fused")}
-    columns, rows = compare(maps, reference.truth, reference.intrinsics, baseline_focal, own)
-    error = maps["fused"] - reference.truth
-    angle = view_angle(fused.depth, reference.intrinsics)
+        maps["fused, filled"] = depth
+    own = {name: thin(fused.normals) for name in maps if name.startswith("fused")}
+    columns, rows = compare(maps, truth, camera, baseline_focal, own)
+    error = maps["fused"] - truth
+    angle = view_angle(depth, camera)
     return {
         "truth": reference.truth,
         "metrics": rows,
         "metric_rows": np.array(list(maps)),
         "metric_columns": np.array(columns),
-        "ause": np.array(ause(fused.confidence, error)),
-        "ause_uncertainty": np.array(ause(-fused.uncertainty, error)),
+        "ause": np.array(ause(thin(fused.confidence), error)),
+        "ause_uncertainty": np.array(ause(-thin(fused.uncertainty), error)),
         "ause_angle": np.array(ause(angle, error)),
     }
 

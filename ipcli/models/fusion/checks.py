@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ipcli.measurements.accuracy import thinned_camera, thinning
 from ipcli.measurements.views import View, relative
 from ipcli.models.fusion.reprojection import reproject_all
 
@@ -19,6 +20,10 @@ BETTER = 2.0  # so many times closer, at least, must views agree without a mista
 LEAST_SEEN = 0.05  # share of the reference that has to be seen to compare
 LEAST_PARALLAX = 0.5  # px: with less, the units of depth and baseline are asked about
 LOOSE = 50.0  # tolerances: a fusion whose gap ends above that has not converged
+SHIFT_BETTER = 1.15  # the same of poses that are moved on by one view, which changes less; sound sequences reach .99
+OFF_CENTRE = 0.2  # of the width or height: a principal point so far from the middle is doubted
+ONE_FACTOR = 1.15  # both coordinates of the principal point are off by one factor if they differ by no more
+PIXELS = 1_000_000  # of a view that is looked at whole; of a larger one, so many-th rows and columns
 OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
@@ -50,15 +55,32 @@ MISTAKES: tuple[tuple[Callable[[View], View], str], ...] = (
 
 
 def geometry_warnings(views: Sequence[View], reference: View) -> list[str]:
-    """Likely mistakes of poses and units, in words; none for a reference that has seen nothing itself."""
-    others = [view for view in views if view.name != reference.name]
+    """Likely mistakes of calibration, poses and units, in words; about poses none for a reference that has seen nothing
+    itself. Views, in their order, are asked for one by one.
+    """
+    seen = [thinned(view) for view in views]
+    found = centre_warnings([view for view in seen if view.name != reference.name or np.isfinite(view.depth).any()])
+    reference = thinned(reference)
+    others = [view for view in seen if view.name != reference.name]
     baseline = {view.name: float(np.linalg.norm(relative(reference, view)[:3, 3])) for view in others}
     others = sorted(others, key=lambda view: -baseline[view.name])[:OTHERS]
     if not others or not np.isfinite(reference.depth).any():
-        return []
+        return found
+    return found + (_pose_warnings(others, reference, baseline[others[0].name]) or shift_warnings(seen, reference))
+
+
+def thinned(view: View) -> View:
+    """The view by some of its rows and columns, if it has more than PIXELS; without pictures."""
+    step = thinning(view.depth.size, PIXELS)
+    depth = np.ascontiguousarray(view.depth[::step, ::step])
+    camera = thinned_camera(view.intrinsics, step)
+    return View(view.name, depth, camera, view.cam_from_world)
+
+
+def _pose_warnings(others: Sequence[View], reference: View, baseline: float) -> list[str]:
     tried = list(MISTAKES)
     depth = float(np.nanmedian(reference.depth))
-    parallax = reference.intrinsics[0, 0] * baseline[others[0].name] / depth
+    parallax = reference.intrinsics[0, 0] * baseline / depth
     if 0 < parallax < LEAST_PARALLAX:
         tried = [(_shrunk(factor), _unit_hint(factor, parallax)) for factor in (1e3, 1e6)] + tried
     now = disagreement(others, reference)
@@ -67,6 +89,50 @@ def geometry_warnings(views: Sequence[View], reference: View) -> list[str]:
     if not best * BETTER < now:
         return []
     return [f"the views disagree by {100 * now:.2g} % of the depth, but by {100 * best:.2g} % if undone: {text}"]
+
+
+def shift_warnings(views: Sequence[View], reference: View) -> list[str]:
+    """That the views of a sequence agree better if each has the pose of the one after it, or of the one before."""
+    at = next((k for k, view in enumerate(views) if view.name == reference.name), None)
+    if at is None or len(views) < 4:
+        return []
+    found = []
+    for shift, word in ((1, "after"), (-1, "before")):
+        near = [k for k in range(at - OTHERS // 2, at + OTHERS // 2 + 1) if min(k, k + shift) >= 0]
+        near = [k for k in near if max(k, k + shift) < len(views)]
+        if at not in near or len(near) < 3:
+            continue
+        moved = {k: replace(views[k], cam_from_world=views[k + shift].cam_from_world) for k in near}
+        now = disagreement([views[k] for k in near if k != at], reference)
+        then = disagreement([moved[k] for k in near if k != at], moved[at])
+        if then * SHIFT_BETTER < now:
+            found.append((then, now, word))
+    if not found:
+        return []
+    then, now, word = min(found)
+    return [
+        f"neighbouring views disagree by {100 * now:.2g} % of the depth, but by {100 * then:.2g} % if each has the "
+        f"pose of the view {word} it: the names or numbers of the poses seem to be shifted against those of the images"
+    ]
+
+
+def centre_warnings(views: Sequence[View]) -> list[str]:
+    """That a principal point is far from the middle of its image, which a calibration at another size would explain."""
+    for view in views:
+        size = np.array(view.depth.shape[::-1], np.float64)
+        share = (view.intrinsics[:2, 2] + 0.5) / size
+        if np.abs(share - 0.5).max() <= OFF_CENTRE:
+            continue
+        where = (
+            f"the principal point of view {view.name} lies at {share[0]:.0%} of the width and {share[1]:.0%} of the "
+        )
+        factor = float(np.sqrt(np.prod(2 * view.intrinsics[:2, 2].clip(0) / (size - 1))))
+        if share.max() < ONE_FACTOR * share.min():
+            why = f"the calibration seems to be of images {factor:.2g} times as large: divide --intrinsics by that"
+        else:
+            why = "unless the images are crops, the calibration is of another camera or size: see --intrinsics"
+        return [f"{where}height: {why}"]
+    return []
 
 
 def _unit_hint(factor: float, parallax: float) -> str:

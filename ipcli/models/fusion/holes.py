@@ -14,6 +14,7 @@ import numpy as np
 from ipcli.geometry.surface import normals
 from ipcli.inverse.regularize.fidelity import Observations
 
+ROWS = 256  # that are filled at once
 SEEN, UNSEEN, UNBELIEVED = 0, 1, 2  # codes of `filled`: an observation supports the map, none is there, or none does
 
 
@@ -34,15 +35,22 @@ def fill_holes(depth: np.ndarray, filled: np.ndarray, reach: float, *, inverse: 
     is SEEN stays as it is, and so does NaN.
     """
     nearness = 1 / depth if inverse else -depth  # smaller is farther
-    behind = interpolate_background(np.where(filled == SEEN, nearness, np.nan))
-    gap = nearness - behind
-    use = (filled != SEEN) & (gap <= reach)
-    return np.where(use, 1 / behind if inverse else -behind, depth).astype(np.float32)
+    hole = filled != SEEN
+    painted, nearness[hole] = nearness[hole], np.nan
+    behind = interpolate_background(nearness)[hole]
+    background = 1 / behind if inverse else -behind
+    out = depth.astype(np.float32)
+    out[hole] = np.where(painted - behind <= reach, background, depth[hole])
+    return out
 
 
 def normals_of_filled(own: np.ndarray, depth: np.ndarray, filled: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
     """Normals (h, w, 3): those of the map itself, and where it was filled those of the depth (h, w) there."""
-    return np.where((filled == SEEN)[..., None], own, normals(depth, intrinsics)).astype(np.float32)
+    if (filled == SEEN).all():
+        return own
+    found = normals(depth, intrinsics)
+    np.copyto(found, own, where=(filled == SEEN)[..., None])
+    return found
 
 
 def interpolate_background(disparity: np.ndarray) -> np.ndarray:
@@ -54,6 +62,14 @@ def interpolate_background(disparity: np.ndarray) -> np.ndarray:
 
 
 def _fill_rows(image: np.ndarray, choose: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+    """Each row by itself; some at a time, since the indices take several times the memory of a large map."""
+    out = np.empty_like(image)
+    for top in range(0, len(image), ROWS):
+        out[top : top + ROWS] = _filled(image[top : top + ROWS], choose)
+    return out
+
+
+def _filled(image: np.ndarray, choose: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
     valid = np.isfinite(image)
     column = np.broadcast_to(np.arange(image.shape[1]), image.shape)
     last = np.maximum.accumulate(np.where(valid, column, -1), axis=1)

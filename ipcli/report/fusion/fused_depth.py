@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ipcli.geometry.surface import normals
+from ipcli.measurements.accuracy import thinned_camera, thinning
 from ipcli.report.fusion import accuracy
 from ipcli.report.kit import curves, pictures, surface
 from ipcli.report.kit.numbers import aligned, finite, number, percent, with_unit
@@ -31,6 +32,7 @@ from ipcli.report.kit.provenance import origin
 
 PIXELS = 280_000  # of the largest pictures: they are shown at about 430 x 320, and noise does not compress
 THUMBNAIL_PIXELS = 250_000  # of all thumbnails together
+MAP_PIXELS = 2_000_000  # of a map that is drawn from every pixel
 LITTLE_OVERLAP = 0.05  # share of the reference's pixels below which a view hardly takes part
 SMALL = (420, 270)  # width and height of plots that stand three in a row
 
@@ -43,6 +45,8 @@ class PicturedMap:
     depth: Scale
     widest: int
     window: tuple[int, int, int, int]  # row, column, height and width of the part that is enlarged
+    size: tuple[int, int]  # (h, w) of the whole map
+    step: int  # so many-th rows and columns of it are in the arrays
 
     @property
     def unit(self) -> str:
@@ -61,9 +65,10 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], *, wid
     """
     height, width = arrays["depth"].shape
     widest = min(widest, max(64, round((PIXELS * width / height) ** 0.5)))
-    fused = PicturedMap(
-        arrays, pictures.robust([arrays["depth"]], "turbo", text(arrays["unit"])), widest, _window(arrays)
-    )
+    step = thinning(height * width, MAP_PIXELS)
+    arrays = _thinned(arrays, step)
+    scale = pictures.robust([arrays["depth"]], "turbo", text(arrays["unit"]))
+    fused = PicturedMap(arrays, scale, widest, _window(arrays), (height, width), step)
     parts = [*_notices(fused), _maps(fused), _surface(fused), _detail(fused)]
     parts += [accuracy.metrics(arrays)] if "metrics" in arrays else []
     parts += [accuracy.maps(arrays, fused.unit, widest)] if "truth" in arrays else []
@@ -75,6 +80,17 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], *, wid
         _verdict(fused),
         *parts,
     )
+
+
+def _thinned(arrays: Mapping[str, np.ndarray], step: int) -> Mapping[str, np.ndarray]:
+    """Every `step`-th row and column of all maps, with the camera that sees them so."""
+    if step == 1:
+        return arrays
+    shape = arrays["depth"].shape
+    thin = {
+        name: np.ascontiguousarray(array[::step, ::step]) for name, array in arrays.items() if array.shape[:2] == shape
+    }
+    return {**arrays, **thin, "intrinsics": thinned_camera(arrays["intrinsics"], step)}
 
 
 def text(array: np.ndarray) -> str:
@@ -89,7 +105,7 @@ def scalar(array: np.ndarray) -> float:
 
 def _verdict(fused: PicturedMap) -> Markup:
     a = fused.arrays
-    (height, width), count = a["depth"].shape, len(a["views"])
+    (height, width), count = fused.size, len(a["views"])
     observed, supported = (np.count_nonzero(mask) / mask.size for mask in (a["observations"], _supported(a)))
     views = f"{count} views" if count > 1 else "one view"
     noise = {"depth": fused.unit, "disparity": "px", "inverse depth": f"1/{fused.unit}"}[text(a["domain"])]
@@ -104,21 +120,22 @@ def _verdict(fused: PicturedMap) -> Markup:
 
 def _gain(fused: PicturedMap) -> list[object]:
     """How far the fused map is from the truth, against the median of the same observations."""
-    if "truth" not in fused.arrays:
+    a = fused.arrays
+    if "metrics" not in a:
         return []
-    both = {name: accuracy.error(fused.arrays, name) for name in ("median", "depth")}
-    common = np.isfinite(both["median"]) & np.isfinite(both["depth"])
-    if not common.any():
+    rows, columns = ([str(name) for name in a[field]] for field in ("metric_rows", "metric_columns"))
+    median, found = (float(a["metrics"][rows.index(name), columns.index("MAE")]) for name in ("median", "fused"))
+    if not np.isfinite(found):
         return [" The truth shares no pixel with the map."]
-    median, found = (float(both[name][common].mean()) for name in ("median", "depth"))
     change = (found - median) / median if median else 0.0
     side = "below" if change <= 0 else "above"
     words = f"mean error {with_unit(found, fused.unit)}, {number(abs(100 * change), 2)} % {side} the median's"
-    return [" Against the truth: ", element("strong", words), "."]
+    return [" Against the truth: ", element("strong", words), " (MAE below, where every map has a value)."]
 
 
 def _notices(fused: PicturedMap) -> list[Markup]:
     a = fused.arrays
+    large = f"the map is large: pictures, curves and errors are of one in {fused.step} rows and columns."
     low = [str(name) for name, share in zip(a["views"], a["view_overlap"], strict=True) if not share >= LITTLE_OVERLAP]
     missing = np.count_nonzero(~np.isfinite(a["depth"])) / a["depth"].size
     found = [f"Warning: {warning}." for warning in a["warnings"].tolist()] if "warnings" in a else []
@@ -131,6 +148,7 @@ def _notices(fused: PicturedMap) -> list[Markup]:
         ]
     if missing:
         found += [f"{percent(missing)} of the fused map has no depth."]
+    found += [large] if fused.step > 1 else []
     if not np.isfinite(a["confidence"]).any():
         found += ["no pixel has a confidence."]
     return [notice(sentence) for sentence in found]

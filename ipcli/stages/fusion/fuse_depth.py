@@ -18,7 +18,7 @@ from ipcli import threads
 from ipcli.errors import NoSolution, ParameterError
 from ipcli.executor import map_items
 from ipcli.geometry.cameras import back_project, transform
-from ipcli.geometry.surface import triangulate
+from ipcli.geometry.surface import PixelGrid
 from ipcli.io.files import h5, ply
 from ipcli.io.views import camera
 from ipcli.measurements.names import window
@@ -31,6 +31,7 @@ from ipcli.models.fusion.parameters import METHODS, Fusion, Variant
 from ipcli.models.fusion.tiles import fuse_in_tiles, side_of_tiles
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
+from ipcli.stages.fusion.memory_plan import MemoryPlan
 from ipcli.stages.fusion.parameters import FuseDepth
 from ipcli.stages.fusion.sources import middle, open_source, source_files
 from ipcli.stages.kit import outputs
@@ -118,30 +119,41 @@ def _fuse(
     progress: Progress = silent,
 ) -> Outcome:
     views = open_source(source, params.source)
-    reference = params.reference or middle(views.names)
-    names = window(views.names, reference, params.window or len(views.names))
+    name = params.reference or middle(views.names)
+    names = window(views.names, name, params.window or len(views.names))
     inputs = source_files(views, names) + ((Path(params.camera),) if params.camera else ())
+    reference = reference_of(views, name, params)
+    plan = MemoryPlan.of(reference, len(names), params.fusion)
+    params = replace(params, fusion=plan.fusion)  # a map in other tiles is another map
 
     def build() -> dict[str, np.ndarray]:
+        plan.say(reference.name)
         return fused_arrays(views, names, reference, params, progress)
 
-    return make(Job(output, "fused-depth", "fuse-depth", params, inputs, beside), build, run)
+    outcome = make(Job(output, "fused-depth", "fuse-depth", params, inputs, beside), build, run)
+    if outcome is Outcome.WOULD_RUN:
+        plan.say(reference.name, logging.WARNING)
+    return outcome
+
+
+def reference_of(views: Views, name: str, params: FuseDepth) -> View:
+    """The view to fuse into: the one of that name, or the camera that is given."""
+    return camera.read(Path(params.camera)) if params.camera else views.load(name)
 
 
 def fused_arrays(
-    source: Views, names: Sequence[str], reference_name: str, params: FuseDepth, progress: Progress
+    source: Views, names: Sequence[str], reference: View, params: FuseDepth, progress: Progress
 ) -> dict[str, np.ndarray]:
     """The arrays of the `fused-depth` artefact of the views of these names."""
-    reference = camera.read(Path(params.camera)) if params.camera else source.load(reference_name)
     domain = source.measured if params.domain == "auto" else params.domain
     views: Sequence[View] = ViewsOnDemand(source, names, reference)
     inverse, side = domain == "disparity", side_of_tiles(params.fusion, reference.depth.shape, len(names))
     warnings = list(source.notes)
+    warnings += geometry_warnings(views, reference)
     if side:
         fused = fuse_in_tiles(views, reference, params.fusion, side, inverse=inverse, progress=progress)
     else:
         views = threads.each(views.__getitem__, range(len(names)))
-        warnings += geometry_warnings(views, reference)
         fused = fuse(views, reference, params.fusion, inverse=inverse, progress=progress)
     table = view_table(fused, names, views)
     others = [name != reference.name for name in names]
@@ -219,15 +231,16 @@ def write_mesh(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping
     """
     world_from_cam = np.linalg.inv(arrays["cam_from_world"])
     keep = (arrays["filled"] == SEEN) & np.isfinite(arrays["depth"]) & np.isfinite(arrays["normals"]).all(axis=-1)
-    pixels, faces = triangulate(arrays["depth"], keep)
-    points = transform(world_from_cam, back_project(arrays["depth"], arrays["intrinsics"]).reshape(-1, 3)[pixels])
-    normals = arrays["normals"].reshape(-1, 3)[pixels] @ world_from_cam[:3, :3].T
-    ply.write(
-        path,
-        points.astype(np.float32),
-        faces=faces,
-        normals=normals.astype(np.float32),
-        colors=arrays["image"].reshape(-1, 3)[pixels] if "image" in arrays else None,
-        extra={name: arrays[name].ravel()[pixels] for name in ("confidence", "observations")},
-        comments=(f"ipcli fuse-depth, unit {arrays['unit']}, digest {provenance['digest']}",),
-    )
+    grid = PixelGrid.of(arrays["depth"], keep)
+
+    def vertices(rows: slice) -> np.ndarray:
+        own = keep[rows]
+        points = transform(world_from_cam, back_project(arrays["depth"][rows], arrays["intrinsics"], rows.start)[own])
+        normals = arrays["normals"][rows][own] @ world_from_cam[:3, :3].T
+        colors = arrays["image"][rows][own] if "image" in arrays else None
+        extra = {name: arrays[name][rows][own] for name in ("confidence", "observations")}
+        return ply.vertex_table(path, points.astype(np.float32), normals.astype(np.float32), colors, extra)
+
+    comments = (f"ipcli fuse-depth, unit {arrays['unit']}, digest {provenance['digest']}",)
+    counts = (int(keep.sum()), grid.count())
+    ply.write_bands(path, map(vertices, grid.bands()), counts, grid.faces(), comments)

@@ -145,3 +145,12 @@ def test_a_damaged_archive_loses_no_member_without_a_word(tmp_path, reading, cha
     with pytest.raises(FormatError) as error:
         reading(tmp_path / "bad.tar")
     check_message(error.value, "bad.tar", because)
+
+
+def test_a_small_archive_of_large_files_is_refused_before_it_writes(folder, monkeypatch):
+    monkeypatch.setenv("IPCLI_MAX_MEMORY", "70MB")
+    (folder / "zeros").write_bytes(bytes(80_000_000))
+    path = pack(folder, ".tar.gz")
+    assert path.stat().st_size < 200_000
+    with pytest.raises(FormatError, match="which take 80 MB.*unpack it yourself"):
+        unpacked(path)

@@ -108,7 +108,9 @@ def test_nothing_is_written_when_the_arrays_break_the_schema(path):
     assert path.read_bytes() == before
 
 
-def test_a_full_disk_is_one_line_and_keeps_the_old_file(path):
+@pytest.mark.parametrize("in_memory", [1 << 27, 0], ids=["in memory", "straight to the disk"])
+def test_a_full_disk_is_one_line_and_keeps_the_old_file(path, monkeypatch, in_memory):
+    monkeypatch.setattr(h5, "IN_MEMORY", in_memory)
     before = path.read_bytes()
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, hard))
@@ -120,6 +122,26 @@ def test_a_full_disk_is_one_line_and_keeps_the_old_file(path):
     assert "\n" not in str(caught.value)
     assert [entry.name for entry in path.parent.iterdir()] == ["v.h5"]
     assert path.read_bytes() == before
+
+
+def test_a_large_artefact_goes_straight_to_the_disk_and_reads_the_same(path, tmp_path, monkeypatch):
+    monkeypatch.setattr(h5, "IN_MEMORY", 0)
+    h5.write(tmp_path / "large.h5", "views", views(), PROVENANCE)
+    small, large = h5.read(path, "views"), h5.read(tmp_path / "large.h5", "views")
+    assert large.provenance == small.provenance
+    assert large.arrays.keys() == small.arrays.keys()
+    for name, array in small.arrays.items():
+        np.testing.assert_array_equal(large.arrays[name], array)
+    first = (tmp_path / "large.h5").read_bytes()
+    h5.write(tmp_path / "large.h5", "views", views(), PROVENANCE)
+    assert (tmp_path / "large.h5").read_bytes() == first
+
+
+def test_a_dataset_beyond_the_memory_is_refused(tmp_path, monkeypatch):
+    h5.write(tmp_path / "v.h5", "views", views(1, (4200, 4200)), PROVENANCE)
+    monkeypatch.setenv("IPCLI_MAX_MEMORY", "70MB")
+    with pytest.raises(FormatError, match=r"v\.h5: too large for the memory .*depth of shape \(4200, 4200\)"):
+        h5.read(tmp_path / "v.h5", "views")
 
 
 def all_readers(path):

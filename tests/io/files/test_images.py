@@ -204,3 +204,13 @@ def test_grey_is_repeated_and_alpha_dropped(tmp_path):
 def test_what_png_cannot_hold_is_refused(array):
     with pytest.raises(IpcliError, match="PNG: expected"):
         images.encode_png(array)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".tif"])
+def test_more_pixels_than_memory_are_refused_before_they_are_decoded(suffix, tmp_path, monkeypatch):
+    monkeypatch.setenv("IPCLI_MAX_MEMORY", "70MB")
+    path = tmp_path / f"white{suffix}"
+    cv2.imwrite(str(path), np.full((2500, 4000), 255, np.uint8))
+    monkeypatch.setattr(cv2, "imdecode", lambda *_: pytest.fail("decoded"))
+    with pytest.raises(FormatError, match="4000 x 2500 pixels, which take 80 MB"):
+        images.read_image(path)

@@ -96,3 +96,12 @@ def test_a_stream_that_does_not_inflate_is_refused(tmp_path):
 def test_absence_is_told(tmp_path):
     with pytest.raises(FormatError, match="No such file"):
         npz.read(tmp_path / "absent.npz")
+
+
+def test_what_would_not_fit_into_the_memory_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
+    monkeypatch.setenv("IPCLI_MAX_MEMORY", "100MB")
+    with zipfile.ZipFile(tmp_path / "small.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("zeros.npy", bytes(60_000_000))
+    assert (tmp_path / "small.npz").stat().st_size < 100_000
+    with pytest.raises(FormatError, match=r"too large for the memory .*unpacked arrays, which take 120 MB"):
+        npz.read(tmp_path / "small.npz")

@@ -190,3 +190,27 @@ def test_bad_arguments_are_refused_before_anything_is_written(tmp_path, argument
     with pytest.raises(IpcliError, match=message):
         ply.write(tmp_path / "m.ply", np.zeros((2, 3)), **arguments)
     assert list(tmp_path.iterdir()) == []
+
+
+VERTICES = np.random.default_rng(0).random((9, 3), np.float32)
+FACES = np.array([[0, 1, 2], [6, 7, 8], [3, 4, 8]])
+
+
+def test_in_bands_a_mesh_is_written_as_at_once(tmp_path):
+    vertices, faces = VERTICES, FACES
+    extra = {"count": np.arange(len(vertices), dtype=np.int32)}
+    ply.write(tmp_path / "whole.ply", vertices, faces=faces, extra=extra, comments=("a",))
+    bands = (
+        ply.vertex_table(tmp_path, vertices[k : k + 1], extra={"count": np.array([k], np.int32)})
+        for k in range(len(vertices))
+    )
+    counts = (len(vertices), len(faces))
+    ply.write_bands(tmp_path / "bands.ply", bands, counts, (face[None] for face in faces), ("a",))
+    assert (tmp_path / "bands.ply").read_bytes() == (tmp_path / "whole.ply").read_bytes()
+
+
+def test_bands_that_are_not_what_was_announced_leave_no_file(tmp_path):
+    table = ply.vertex_table(tmp_path, VERTICES)
+    with pytest.raises(IpcliError, match="vertices and faces"):
+        ply.write_bands(tmp_path / "bands.ply", [table], (len(table) + 1, 0), None, ())
+    assert not list(tmp_path.iterdir())

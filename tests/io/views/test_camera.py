@@ -39,3 +39,9 @@ def test_a_wrong_camera_is_refused_in_one_line_that_names_the_file(tmp_path, tex
         camera.read(tmp_path / "mine.toml")
     assert "mine.toml" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_camera_of_more_pixels_than_memory_is_refused(tmp_path):
+    (tmp_path / "mine.toml").write_text(GOOD.replace("width = 6", "width = 200000").replace("= 4\n", "= 200000\n"))
+    with pytest.raises(FormatError, match="too large for the memory.*200000 x 200000 pixels, which take 160 GB"):
+        camera.read(tmp_path / "mine.toml")

@@ -66,3 +66,17 @@ def test_a_map_without_confidence_has_no_curves_and_a_perfect_order_has_no_area(
     assert areas[:2] == pytest.approx([0, 0])
     np.testing.assert_allclose(curves[:2], curves[[3, 3]])
     assert curves[:, -1] == pytest.approx(1)
+
+
+def test_errors_of_a_large_map_are_measured_on_some_rows_and_columns(monkeypatch):
+    views = scene(3, (96, 120))
+    fused = fuse(views, views[1], Fusion(solver=Solver(iterations=60), rounds=1), inverse=False)
+    whole = assessment.error_table(fused, views[1], None)
+    monkeypatch.setattr(assessment, "thinning", lambda pixels: 2)
+    some = assessment.error_table(fused, views[1], None)
+    columns = list(whole["metric_columns"])
+    for name, off in (("MAE", 0.2), ("density %", 0.01)):  # errors stand together at rims: a quarter of few pixels
+        at = columns.index(name)
+        np.testing.assert_allclose(some["metrics"][:, at], whole["metrics"][:, at], rtol=off)
+    assert some["ause"] == pytest.approx(whole["ause"], rel=0.2)
+    assert some["truth"].shape == whole["truth"].shape

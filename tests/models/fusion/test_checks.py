@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ipcli.measurements.views import View
+from ipcli.models.fusion import checks
 from ipcli.models.fusion.checks import LOOSE, OPENGL, convergence_warnings, geometry_warnings
 
 CAMERA = np.array([[60.0, 0, 39.5], [0, 60, 29.5], [0, 0, 1]])
@@ -70,3 +71,51 @@ def test_a_gap_far_above_the_tolerance_is_said():
     assert convergence_warnings(history[:0], 1e-3) == []
     (warning,) = convergence_warnings(history[:1], 1e-3)
     assert "relative gap is 6 where 0.001" in warning
+
+
+UNEVEN = [
+    look(angle, 0.002) for angle in (-0.25, -0.21, -0.1, 0.0, 0.04, 0.18, 0.22)
+]  # a camera that does not move evenly
+
+
+@pytest.mark.parametrize(("shift", "word"), [(1, "before"), (-1, "after")])
+def test_poses_of_the_next_or_the_last_view_are_named(shift, word):
+    indices = [k for k in range(len(UNEVEN)) if 0 <= k + shift < len(UNEVEN)]
+    views = [replace(UNEVEN[k], cam_from_world=UNEVEN[k + shift].cam_from_world) for k in indices]
+    (warning,) = geometry_warnings(views, views[len(views) // 2])
+    assert f"if each has the pose of the view {word} it" in warning
+    assert "shifted against those of the images" in warning
+    assert geometry_warnings(UNEVEN, UNEVEN[3]) == []
+
+
+def at_size(view: View, factor: float, shift: tuple[float, float] = (0, 0)) -> View:
+    camera = np.diag([factor, factor, 1.0]) @ view.intrinsics
+    camera[:2, 2] += shift
+    return replace(view, intrinsics=camera)
+
+
+@pytest.mark.parametrize(
+    ("factor", "shift", "words"),
+    [
+        (2.0, (0, 0), "calibration seems to be of images 2 times as large: divide --intrinsics by that"),
+        (0.5, (0, 0), "calibration seems to be of images 0.5 times as large"),
+        (1.0, (25, 0), "lies at 81% of the width and 50% of the height: unless the images are crops"),
+    ],
+)
+def test_a_principal_point_far_from_the_middle_is_named(factor, shift, words):
+    views = [at_size(view, factor, shift) for view in VIEWS]
+    assert any(words in warning for warning in geometry_warnings(views, views[2]))
+
+
+def test_a_principal_point_near_the_middle_is_none_of_our_business():
+    views = [at_size(view, 1.0, (8, -6)) for view in VIEWS]
+    assert geometry_warnings(views, views[2]) == []
+
+
+def test_large_views_are_looked_at_by_some_rows_and_columns_and_say_the_same(monkeypatch):
+    views = posed(np.linalg.inv)
+    monkeypatch.setattr(checks, "PIXELS", 1500)
+    assert checks.thinned(views[0]).depth.shape == (30, 40)
+    (warning,) = geometry_warnings(views, views[2])
+    assert "in the other direction: see --pose" in warning
+    assert geometry_warnings(VIEWS, VIEWS[2]) == []

@@ -253,3 +253,17 @@ def test_a_likely_mistake_and_a_fusion_that_did_not_converge_are_said_in_the_art
 
 def test_sound_views_are_not_warned_of(whole):
     assert "warnings" not in h5.read(whole, "fused-depth").arrays
+
+
+@pytest.mark.parametrize("tile", [0, 32])
+def test_geometry_is_checked_in_tiles_too(tmp_path, caplog, tile):
+    views = [replace(view, cam_from_world=np.linalg.inv(view.cam_from_world)) for view in turned_scene()]
+    source = write(tmp_path / "turned.views.h5", views)
+    found = arrays(source, tmp_path, fusion=replace(QUICK, tile=tile))
+    assert any("in the other direction: see --pose" in warning for warning in found["warnings"].tolist())
+    assert any("in the other direction: see --pose" in record.getMessage() for record in caplog.records)
+
+
+def turned_scene():
+    """Views on an arc, whose poses are told from their inverses."""
+    return scene(5, noise=0.002, holes=0.0)

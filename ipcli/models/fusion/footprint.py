@@ -1,0 +1,66 @@
+"""How much memory a fusion takes, told from sizes alone before it starts, and the tiles in which it fits a limit.
+
+The figures are bytes a pixel of what is alive at the widest moment, counted in the code and held against the peak of
+real runs by `benchmarks.fusion.memory`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ipcli.models.fusion.parameters import METHODS, Fusion
+from ipcli.models.fusion.tiles import EVERY, MARGIN, side_of_tiles
+
+PROCESS = 350_000_000  # bytes of the interpreter, its libraries and compiled kernels
+MAPS = 35  # of the reference: depth, mean, median, confidence, uncertainty, normals, observations, what is filled
+FILLING = 16  # of the reference, while holes are filled
+WORKING = 235  # of a tile, whatever the number of views: the iteration, and normals in double precision
+OBSERVATION = 12  # of a tile, a view: as reprojected, sorted, and once more while it is sorted
+WEIGHT = 12  # the same of a given confidence
+OWN_CONFIDENCE = 24  # of a method with a confidence for each observation
+VIEW = 4  # a view as it stays in memory, and as much again while it is read
+SIDES = (2048, 1024, 512, 256)  # of tiles that are tried, pixels
+
+
+@dataclass(frozen=True)
+class FusionSize:
+    """What decides about memory: the reference (h, w), bytes of a pixel of it, the number of views, taken to be as
+    large, and how many are read at once.
+    """
+
+    shape: tuple[int, int]
+    reference_bytes: int
+    views: int
+    given_confidence: bool = False
+    at_once: int = 1
+
+    @property
+    def words(self) -> str:
+        """In words, as `20 Mpx of 3 views`."""
+        return f"{self.shape[0] * self.shape[1] / 1e6:.3g} Mpx of {self.views} view{'s' if self.views > 1 else ''}"
+
+
+def footprint(size: FusionSize, fusion: Fusion, side: int) -> int:
+    """Bytes at the peak of a fusion in tiles of that side, 0 for all at once."""
+    h, w = size.shape
+    pixels, view = h * w, h * w * (VIEW + (4 if size.given_confidence else 0))
+    observation = OBSERVATION + (WEIGHT if size.given_confidence and fusion.confidence.given else 0)
+    observation += OWN_CONFIDENCE if METHODS[fusion.method].each_view else 0
+    own = WORKING + size.views * observation
+    resting = PROCESS + pixels * size.reference_bytes
+    if not side:
+        return resting + size.views * view + pixels * own
+    tile = min(side + 2 * MARGIN, h) * min(side + 2 * MARGIN, w)
+    kept = 4 * size.views * pixels // EVERY**2
+    reading = 2 * min(size.at_once, size.views) * view
+    return resting + MAPS * pixels + kept + max(FILLING * pixels, reading + tile * own)
+
+
+def side_within(size: FusionSize, fusion: Fusion, limit: int) -> int | None:
+    """Side of the tiles, 0 for all at once, in which a fusion keeps a limit in bytes; None if it does in none.
+
+    As the settings say, where they do; else at once unless that is too much, and then in the largest tiles that fit.
+    """
+    asked = side_of_tiles(fusion, size.shape, size.views)
+    tried = [asked] if fusion.tile is not None else [asked, *(side for side in SIDES if not asked or side < asked)]
+    return next((side for side in tried if footprint(size, fusion, side) <= limit), None)

@@ -1,0 +1,73 @@
+"""What a fusion takes is told before it starts: near the peak of a real one, and never less."""
+
+import os
+import re
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+
+from ipcli.models.fusion.footprint import SIDES, FusionSize, footprint, side_within
+from ipcli.models.fusion.parameters import Fusion
+from ipcli.models.fusion.tiles import SIDE
+
+LARGE = FusionSize((3650, 5480), 8, 3, at_once=2)
+CHILD = """
+import re, sys
+from pathlib import Path
+from ipcli.inverse.regularize.parameters import Solver
+from ipcli.measurements.views import View
+from ipcli.models.fusion.fuse import fuse
+from ipcli.models.fusion.tiles import fuse_in_tiles
+from ipcli.models.fusion.parameters import Fusion
+from tests.fixtures.fusion_scenes import scene
+side, quick = int(sys.argv[1]), Fusion(rounds=1, solver=Solver(iterations=2))
+views = scene({views}, {shape})
+if side:
+    fuse_in_tiles(views, views[1], quick, side, inverse=False)
+else:
+    fuse(views, views[1], quick, inverse=False)
+print(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1])
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not os.path.exists("/proc/self/status"), reason="the peak is read from /proc")
+@pytest.mark.parametrize("side", [0, 256])
+def test_the_estimate_holds_the_peak_of_a_real_fusion_and_is_near_it(side):
+    shape, views = (1000, 1600), 4
+    code = CHILD.format(views=views, shape=shape)
+    done = subprocess.run([sys.executable, "-c", code, str(side)], capture_output=True, text=True, check=True)
+    peak = 1024 * int(re.search(r"\d+", done.stdout)[0])
+    told = footprint(
+        FusionSize(shape, 8 * views, views, at_once=2), Fusion(), side
+    )  # the test holds all views, with truth
+    assert peak < 1.05 * told
+    assert told < 1.6 * peak
+
+
+def test_twenty_megapixels_of_three_views_fit_two_gigabytes_in_tiles_alone():
+    assert footprint(LARGE, Fusion(), 0) > 5e9
+    assert side_within(LARGE, Fusion(), 8 * 10**9) == 0
+    side = side_within(LARGE, Fusion(), 2 * 10**9)
+    assert side in SIDES
+    assert footprint(LARGE, Fusion(), side) <= 2 * 10**9
+    larger = [other for other in SIDES if other > side]
+    assert all(footprint(LARGE, Fusion(), other) > 2 * 10**9 for other in larger)
+    assert side_within(LARGE, Fusion(), 10**9) is None
+
+
+def test_tiles_that_were_asked_for_are_taken_or_nothing():
+    assert side_within(LARGE, Fusion(tile=100), 2 * 10**9) == 100
+    assert side_within(LARGE, Fusion(tile=0), 2 * 10**9) is None
+    assert side_within(replace(LARGE, views=41), Fusion(), 40 * 10**9) == SIDE  # as many observations are tiled anyhow
+
+
+def test_more_views_weights_and_confidences_take_more():
+    few = footprint(LARGE, Fusion(), 0)
+    assert footprint(replace(LARGE, views=4), Fusion(), 0) > few
+    assert footprint(replace(LARGE, given_confidence=True), Fusion(), 0) > few
+    assert footprint(LARGE, Fusion(method="l1-adapt-views"), 0) > few
+    sides = [footprint(LARGE, Fusion(), side) for side in (256, 512, 1024, 2048)]
+    assert sides == sorted(sides)
