@@ -180,7 +180,7 @@ def first_word(**words: Callable[[], click.Command]) -> type[click.Command]:
         ) -> click.Context:
             """The context of the command that is asked for."""
             if args and args[0] in words:
-                settings = self.context_settings | extra
+                settings = {**self.context_settings, **extra}
                 return words[args[0]]().make_context(f"{info_name} {args[0]}", args[1:], parent, **settings)
             return super().make_context(info_name, args, parent, **extra)
 
@@ -199,7 +199,7 @@ def command(name: str) -> Callable[[], click.Command]:
 
         found = import_module(f"ipcli.cli.{name.replace('-', '_')}").main
         told = COMMANDS[name]
-        found.context_settings |= {"help_option_names": HELP}
+        found.context_settings = {**found.context_settings, "help_option_names": HELP}
         start = name if told.is_script else f"ipcli {name}"
         parts = [
             f"\b\nExample:\n  {start} {told.example}" if told.example else None,
