@@ -15,7 +15,7 @@ FILE = click.Path(path_type=Path)
 
 @click.command("brdf-model")
 @click.argument("library", type=FILE)
-@click.argument("photo", type=FILE)
+@click.argument("photo", type=FILE, required=False, metavar="PHOTO")
 @click.option("--mask", type=FILE, required=True, help="Picture of the same size, white where the object is.")
 @click.option(
     "-o",
@@ -39,7 +39,7 @@ FILE = click.Path(path_type=Path)
 @common
 def main(
     library: Path,
-    photo: Path,
+    photo: Path | None,
     mask: Path,
     output: Path,
     normals_from: Path | None,
@@ -49,7 +49,14 @@ def main(
     params: BrdfModel,
     run: Run,
 ) -> None:
-    """Model the surface of the object in PHOTO, with a LIBRARY of brdf-train."""
+    """Model the surface of the object in PHOTO, with a LIBRARY of brdf-train.
+
+    The console tells: `cut edge`, the probability that the outline is the edge of a sheet and not the rim of a solid;
+    `residual`, the mean difference of the picture and what explains it, in its bright values; `settled by the
+    picture`, whether it tells a bump from a dent; `material`, the likeliest of the library with its probability.
+    """
+    if photo is None:
+        raise click.UsageError(f"two files are needed, LIBRARY (of brdf-train) and PHOTO; {library} is one")
     from ipcli.stages.brdf import brdf_model
 
     source = brdf_model.ObjectFiles(library, photo, mask, true_normals, true_height, convention, normals_from)

@@ -20,55 +20,106 @@ import click
 from ipcli import __version__
 from ipcli.errors import IpcliError, nearest
 
+HELP = ["-h", "--help"]
 INTERRUPTED = 130
 TERMINATED = 143
 
 
 class Command(NamedTuple):
-    """What a command does in a line, and whether it is a console script too; `a-b` lives in ipcli/cli/a_b.py."""
+    """What a command does in a line, words that it may be called with, and whether it is a console script too; `a-b`
+    lives in ipcli/cli/a_b.py.
+    """
 
     help: str
+    example: str = ""
     is_script: bool = False
 
 
 SECTIONS = {
     "Gaze localisation": {
-        "gaze-sfm": Command("Find where the wearer was and what they looked at.", is_script=True),
-        "import-recording": Command("Turn a head-mounted recording into one file."),
-        "gaze-views": Command("Make views for fuse-depth of a localised recording."),
+        "gaze-sfm": Command(
+            "Find where the wearer was and what they looked at.", "sample_data/room -o room.gaze.h5", is_script=True
+        ),
+        "import-recording": Command("Turn a head-mounted recording into one file.", "RECORDING -o walk.recording.h5"),
+        "gaze-views": Command(
+            "Make views for fuse-depth of a localised recording.", "sample_data/room room.gaze.h5 -o room.views.h5"
+        ),
     },
     "Saliency": {
-        "saliency": Command("Tell what is likely to be looked at in a scene.", is_script=True),
-        "saliency-train": Command("Learn from recorded fixations where people look."),
-        "saliency-predict": Command("Predict where people look in pictures, meshes and clouds."),
-        "saliency-evaluate": Command("Measure how well fixations are predicted, and by what."),
+        "saliency": Command(
+            "Tell what is likely to be looked at in a scene.", "room.gaze.h5 -o room.saliency.h5", is_script=True
+        ),
+        "saliency-train": Command("Learn from recorded fixations where people look.", "osie -o osie.model.h5"),
+        "saliency-predict": Command(
+            "Predict where people look in pictures, meshes and clouds.",
+            "photo.jpg --model osie.model.h5 -o photo.maps.h5",
+        ),
+        "saliency-evaluate": Command(
+            "Measure how well fixations are predicted, and by what.", "osie -o osie.evaluation.h5"
+        ),
     },
     "Depth fusion": {
-        "fuse-depth": Command("Fuse depth maps of several views into one.", is_script=True),
-        "merge-depth": Command("Join fused depth maps into one coloured cloud."),
-        "import-views": Command("Turn a folder of depth maps and poses into one views file."),
-        "kitti-views": Command("Make views of KITTI stereo pairs."),
-        "render-views": Command("Render depth maps of a mesh, with noise if wanted."),
-        "tune-fusion": Command("Find the best weight of the data for each fusion method."),
-        "evaluate-fusion": Command("Measure the errors of all fusion methods on a scene."),
-        "compare": Command("Compare methods by their errors over scenes."),
+        "fuse-depth": Command(
+            "Fuse depth maps of several views into one.",
+            "sample_data/shapes --reference 005 -o shapes.fused.h5",
+            is_script=True,
+        ),
+        "merge-depth": Command(
+            "Join fused depth maps into one coloured cloud.", "a.fused.h5 b.fused.h5 c.fused.h5 -o scene.cloud.h5"
+        ),
+        "import-views": Command(
+            "Turn a folder of depth maps and poses into one views file.", "sample_data/shapes -o shapes.views.h5"
+        ),
+        "kitti-views": Command(
+            "Make views of KITTI stereo pairs.", "KITTI/training --poses poses.npz --scenes 11 -o views"
+        ),
+        "render-views": Command("Render depth maps of a mesh, with noise if wanted.", "mesh.ply -o mesh.views.h5"),
+        "tune-fusion": Command(
+            "Find the best weight of the data for each fusion method.", "a.views.h5 b.views.h5 -o tuning.h5"
+        ),
+        "evaluate-fusion": Command(
+            "Measure the errors of all fusion methods on a scene.", "scene.views.h5 -o scene.trials.h5"
+        ),
+        "compare": Command("Compare methods by their errors over scenes.", "a.trials.h5 b.trials.h5 -o both.h5"),
     },
     "Action recognition": {
-        "mocap-train": Command("Learn the behaviours of actions from motions.", is_script=True),
-        "mocap-classify": Command("Name the action of a motion.", is_script=True),
-        "mocap-evaluate": Command("Tell how often actions are named right."),
-        "import-clips": Command("Turn motion capture files into one file of labelled clips."),
+        "mocap-train": Command(
+            "Learn the behaviours of actions from motions.",
+            "sample_data/motions --actors ann,bob -o motions.model.h5",
+            is_script=True,
+        ),
+        "mocap-classify": Command(
+            "Name the action of a motion.", "motions.model.h5 take.bvh -o take.recognition.h5", is_script=True
+        ),
+        "mocap-evaluate": Command(
+            "Tell how often actions are named right.", "sample_data/motions -o motions.evaluation.h5"
+        ),
+        "import-clips": Command(
+            "Turn motion capture files into one file of labelled clips.", "sample_data/motions -o motions.clips.h5"
+        ),
     },
     "Surfaces from one picture": {
-        "brdf-train": Command("Learn how materials look under all lights.", is_script=True),
-        "brdf-model": Command("Model the surface of an object from one photograph.", is_script=True),
+        "brdf-train": Command(
+            "Learn how materials look under all lights.",
+            "sample_data/brdf/materials.toml -o materials.h5",
+            is_script=True,
+        ),
+        "brdf-model": Command(
+            "Model the surface of an object from one photograph.",
+            "materials.h5 vase.png --mask vase.mask.png -o vase.h5",
+            is_script=True,
+        ),
     },
     "Animals": {
-        "model-animal": Command("Model an animal from images with part masks.", is_script=True),
+        "model-animal": Command(
+            "Model an animal from images with part masks.",
+            "sample_data/animal/standing.toml -o animal.glb",
+            is_script=True,
+        ),
     },
     "Any artefact": {
-        "info": Command("Tell what a file holds and how it was made."),
-        "report": Command("Draw an artefact as an HTML page."),
+        "info": Command("Tell what a file holds and how it was made.", "shapes.fused.h5"),
+        "report": Command("Draw an artefact as an HTML page.", "shapes.fused.h5 -o shapes.html"),
     },
 }
 COMMANDS = {name: command for section in SECTIONS.values() for name, command in section.items()}
@@ -104,7 +155,7 @@ class LazyGroup(click.Group):
                 formatter.write_dl([(name.ljust(widest), command.help) for name, command in section.items()])
 
 
-@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=LazyGroup, context_settings={"help_option_names": HELP})
 @click.version_option(__version__, prog_name="ipcli")
 def group() -> None:
     """Vision by regularisation and Bayesian inference. 'ipcli COMMAND --help' tells about a command."""

@@ -22,11 +22,11 @@ def main(model: Path, clips: tuple[Path, ...], output: Path, params: MocapClassi
 
     CLIPS are read as mocap-train reads them. --unordered 20 asks about 20 frames of each clip in no order; --window 1
     asks along long takes, second by second. Beside the output come a page to open (.html) and a table (.csv), of
-    segments with --window.
+    segments with --window. Where an answer is `none`, the posterior is that of `best`, the likeliest of the actions.
     """
     from ipcli.stages.mocap import mocap_classify
 
     with options.progress("mocap-classify", run) as tell:
         mocap_classify.run(model, clips, output, params, run, tell)
     answers = {"answers": mocap_classify.answers(output)} if run.json and output.exists() else {}
-    options.conclude({"output": output} | answers, run)
+    options.conclude(mocap_classify.summary(output) | answers, run, with_figures=True)

@@ -156,7 +156,9 @@ def _help(leaf: Leaf) -> str:
     about = leaf.option
     facts = [f"in {about.unit}"] if about.unit else []
     facts += [expected(leaf)] if about.flag and (about.low is not None or about.high is not None) else []
-    return f"{about.help}  [{'; '.join([*facts, f'default: {_shown(leaf.default)}'])}]"
+    first = about.help.split(maxsplit=1)[0]
+    text = about.help if first.endswith(":") else about.help[0].upper() + about.help[1:]  # a choice stays as it is
+    return f"{text}  [{'; '.join([*facts, f'default: {_shown(leaf.default)}'])}]"
 
 
 def _shown(value: Any) -> str:
@@ -185,7 +187,8 @@ def first_word(**words: Callable[[], click.Command]) -> type[click.Command]:
         ) -> click.Context:
             """The context of the command that is asked for."""
             if args and args[0] in words:
-                return words[args[0]]().make_context(f"{info_name} {args[0]}", args[1:], parent, **extra)
+                settings = {**self.context_settings, **extra}
+                return words[args[0]]().make_context(f"{info_name} {args[0]}", args[1:], parent, **settings)
             return super().make_context(info_name, args, parent, **extra)
 
         def invoke(self, ctx: click.Context) -> Any:
@@ -199,8 +202,17 @@ def command(name: str) -> Callable[[], click.Command]:
     """What loads the command of that name when it is asked for."""
 
     def load() -> click.Command:
+        from ipcli.cli.main import COMMANDS, HELP
+
         found = import_module(f"ipcli.cli.{name.replace('-', '_')}").main
-        found.epilog = found.epilog or getattr(found.callback, "epilog", None)
+        told = COMMANDS[name]
+        found.context_settings = {**found.context_settings, "help_option_names": HELP}
+        start = name if told.is_script else f"ipcli {name}"
+        parts = [
+            f"\b\nExample:\n  {start} {told.example}" if told.example else None,
+            found.callback.__dict__.get("epilog"),
+        ]
+        found.epilog = "\n\n".join(filter(None, parts)) or None
         return found
 
     return load

@@ -113,7 +113,7 @@ OBJECT = Kind(
         Field("metric_rows", "str", ("m",), "", "Surface that each row measures", optional=True),
         Field("metric_columns", "str", ("c",), "", "Measure and unit of each column", optional=True),
     ),
-    together=(("metrics", "metric_rows", "metric_columns"), ("solid_height", "sheet_height")),
+    together=(("metrics", "metric_rows", "metric_columns"),),
 )
 
 KINDS = (LIBRARY, OBJECT)

@@ -207,7 +207,7 @@ def endless():
         print("x" * 1000, flush=True)
         time.sleep(0.01)
 sys.modules["ipcli.cli.endless"] = types.SimpleNamespace(main=endless)
-main.COMMANDS["endless"] = main.Command("")
+cli.COMMANDS["endless"] = main.Command("")
 sys.exit(main.main(["endless"]))
 """
 
@@ -247,3 +247,18 @@ def test_a_reader_that_goes_away_ends_the_command_without_a_word():
         process.stdout.close()
         assert process.stderr.read() == b""
     assert process.returncode == 1
+
+
+@pytest.mark.parametrize("name", cli.COMMANDS)
+def test_the_example_of_each_help_can_be_called_as_it_stands(name, capsys):
+    example = cli.COMMANDS[name].example
+    assert example
+    assert cli.load(name).make_context(name, example.split()).params
+    assert cli.command_main(name, ["-h"]) == 0
+    assert f" {example}\n" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", cli.COMMANDS)
+def test_the_help_of_each_option_begins_with_a_capital_or_a_choice(name):
+    first = {parameter.help.split()[0] for parameter in cli.load(name).params if getattr(parameter, "help", None)}
+    assert [word for word in first if word[0].islower() and not word.endswith(":")] == []

@@ -60,6 +60,11 @@ def height(motion: Motion, groups: Groups) -> float:
     """Height of the body in the unit of the positions. Raises ParameterError if it has none."""
     found = body_height(motion.skeleton, motion.positions, groups)
     if not found > 0:
+        if len(motion.skeleton.parents) > 1 and all(parent == NO_PARENT for parent in motion.skeleton.parents):
+            raise ParameterError(
+                "the joints have no parents, so there are no bones and no height: add `parents` (the index of each "
+                "joint's parent, -1 for the root) to the NPZ, or give the CSV its skeleton; see docs/motions.md"
+            )
         raise ParameterError(
             f"the body has no height between '{groups.top}' and {', '.join(groups.bottom)}: their bones are never seen "
             "or of length 0. "

@@ -67,6 +67,8 @@ def run(source: Path, output: Path, params: ModelAnimal, run: Run, progress: Pro
     animal = project.read(source)
     for odd in oddities(animal.images, animal.tree):
         log.warning("%s: %s", source.name, odd)
+    if sum(image.is_reference for image in animal.images) == 1:
+        log.warning("%s: one view alone: the depth, and all that it does not show, is a guess", source.name)
     steps = artefact.with_suffix(".steps")
     aspects, components = steps / "aspects.h5", steps / "components.h5"
     job = Job(artefact, "animal-model", "model-animal", params, (*animal.files, components), beside)

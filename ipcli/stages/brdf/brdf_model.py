@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -10,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ipcli.errors import NoSolution
+from ipcli.errors import FormatError, NoSolution
 from ipcli.geometry.relief import closed, front
 from ipcli.io.files import h5, images, ply
 from ipcli.io.materials import photographs
@@ -22,11 +23,13 @@ from ipcli.models.brdf.reconstruct import Reconstruction, baselines, integrated,
 from ipcli.models.brdf.rim import FEATURES
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
+from ipcli.report.brdf.brdf_object import OPEN, POORLY
 from ipcli.stages.brdf.parameters import BrdfModel
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
 from ipcli.stages.kit.pages import page
 from ipcli.stages.kit.summary import of_result
 
+log = logging.getLogger(__name__)
 TIE = 0.1  # difference of the two energies over their mean below which a picture does not tell convex from concave
 SUMMARISED = ("sheet", "residual", "tie", "materials", "material_posterior", "metrics")
 SMALLEST = 24  # pixels along the longer side of an object, below which patches and cells are too few
@@ -68,7 +71,7 @@ def run(source: ObjectFiles, output: Path, params: BrdfModel, run: Run, progress
 
 def modelled(source: ObjectFiles, params: BrdfModel, progress: Progress) -> dict[str, np.ndarray]:
     """The arrays of the `brdf-object` artefact."""
-    shelf = Library.of(h5.read(source.library, "brdf-library").arrays)
+    shelf = library_of(source.library)
     photo = photographs.read(source.photo, source.mask, params.response)
     box = box_of(photo.mask)
     mask = photo.mask[box]
@@ -83,7 +86,33 @@ def modelled(source: ObjectFiles, params: BrdfModel, progress: Progress) -> dict
     else:
         made = reconstruct(photo.colour[box], mask, shelf, params.inference, progress)
     arrays = described(made, photo, box, shelf, params)
+    for doubt in doubts(arrays):
+        log.warning("%s: %s", source.photo, doubt)
     return arrays | judged(arrays, source)
+
+
+def library_of(path: Path) -> Library:
+    """The library of a file. Raises FormatError, for a list of materials with the way to a library."""
+    if path.suffix.lower() == ".toml":
+        fix = f"Learn the library first: brdf-train {path.name} -o {path.stem}.h5"
+        raise FormatError(path, "a list of materials, not a library", expected="what brdf-train wrote (.h5)", fix=fix)
+    return Library.of(h5.read(path, "brdf-library").arrays)
+
+
+def doubts(arrays: Mapping[str, np.ndarray]) -> list[str]:
+    """What a person should know before believing the surface."""
+    mask, found = arrays["mask"] > 0, []
+    along = int(mask[[0, -1]].sum() + mask[1:-1, [0, -1]].sum())
+    if along:
+        found.append(f"the mask runs along {along} pixels of the picture's border: that cut counts as an outline")
+    if float(arrays["residual"]) > POORLY:
+        found.append(
+            f"one material under one light explains the picture poorly (residual {float(arrays['residual']):.2f}): the "
+            f"material is but the likeliest of the {len(arrays['materials'])} of the library"
+        )
+    if OPEN[0] < float(arrays["sheet"]) < OPEN[1]:
+        found.append("it is open whether the outline is a rim or a cut edge; --rim solid or --rim sheet decides")
+    return found
 
 
 def box_of(mask: np.ndarray) -> tuple[slice, slice]:

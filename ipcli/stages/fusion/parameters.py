@@ -20,7 +20,9 @@ class ViewSource:
     depth_scale: float | None = option(
         None, "Stored value of one unit of depth in 16-bit images.", flag="--depth-scale", low=0.0
     )
-    intrinsics: tuple[float, ...] | None = option(None, "fx,fy,cx,cy of all views.", flag="--intrinsics", unit="px")
+    intrinsics: tuple[float, ...] | None = option(
+        None, "Calibration fx,fy,cx,cy of all views.", flag="--intrinsics", unit="px"
+    )
     pose: str | None = option(
         None, "Direction of poses.txt.", flag="--pose", choices=("cam_from_world", "world_from_cam")
     )

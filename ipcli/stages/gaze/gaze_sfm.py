@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +13,8 @@ from ipcli.progress import Progress, silent
 from ipcli.stages.gaze.parameters import GazeSfm as Params
 from ipcli.stages.gaze.sources import open_source
 from ipcli.stages.kit.summary import of_result
+
+log = logging.getLogger(__name__)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,6 +50,9 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
     marks = read_landmarks(Path(params.world)) if params.world is not None else None
 
     load_map, of_map = _earlier(params)
+
+    if recording.gaze is None and not params.poses_only:
+        log.warning("%s: no gaze, so no points of regard: give --gaze FILE, or --poses-only to do without", source)
 
     def build() -> dict[str, np.ndarray]:
         found = experiment(recording, params.localisation, run.seed, progress, load_map() if load_map else None)

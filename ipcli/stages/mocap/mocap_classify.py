@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,17 +15,20 @@ from ipcli.errors import NoSolution, ParameterError
 from ipcli.io.files import atomic, h5
 from ipcli.io.files.h5 import Artefact
 from ipcli.models.mocap import behaviours, queries, recognition
-from ipcli.models.mocap.motions import Motions, of_people
+from ipcli.models.mocap.motions import NONE, Motions, of_people
 from ipcli.models.mocap.parameters import Features
 from ipcli.models.mocap.queries import Queries
 from ipcli.params import Run, resolve
 from ipcli.progress import Progress, silent
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.summary import of_result
 from ipcli.stages.mocap.parameters import MocapClassify
 from ipcli.stages.mocap.reading import read
 
 KIND = "action-recognition"
+QUERIES = {"clip": "clips", "unordered": "queries", "window": "windows"}  # what each kind of query is called
+log = logging.getLogger(__name__)
 
 
 def run(
@@ -38,11 +42,15 @@ def run(
     """Write the answers and beside them a page (.html) and a table (.csv): of segments with --window, else of the
     queries.
 
-    Raises ParameterError for --window together with --unordered, FormatError for clips of another skeleton than the
-    model's, NoSolution when no frame of any clip shows a group of joints whole.
+    Raises ParameterError for --window together with --unordered or of no length, FormatError for clips of another
+    skeleton than the model's, NoSolution when no frame of any clip shows a group of joints whole.
     """
     if params.window is not None and params.unordered:
         raise ParameterError("--window and --unordered exclude each other: a window has all its frames")
+    if params.window == 0:
+        raise ParameterError(
+            "--window 0: a window has a length, such as 1 s. Leave the option out to ask about whole clips"
+        )
     beside = page(output, KIND) | {output.with_suffix(".csv"): write_csv}
     job = Job(output, KIND, "mocap-classify", params, (model, *paths), beside)
     return make(job, lambda: recognition_arrays(model, paths, params, run.seed, progress), run)
@@ -54,12 +62,14 @@ def answers(output: Path) -> list[dict[str, Any]]:
     if "segment_clip" in found:
         return _segments(found)
     columns = ("clips", "answers", "novelty", "frames")
+    labels = found.get("truth", np.full(len(found["clips"]), "")).tolist()
     best = found["actions"][found["posterior"].argmax(axis=1)].tolist()
     rows = zip(
         *(found[name].tolist() for name in columns),
         found["posterior"].max(axis=1).tolist(),
         found["times"].tolist(),
         best,
+        labels,
         strict=True,
     )
     return [
@@ -68,13 +78,36 @@ def answers(output: Path) -> list[dict[str, Any]]:
             "start": times[0],
             "end": times[1],
             "answer": answer,
-            "posterior": share,
             "best": likeliest,
+            "posterior_of_best": share,
             "novelty": novelty,
             "frames": frames,
+            **({"label": label} if "truth" in found else {}),
         }
-        for clip, answer, novelty, frames, share, times, likeliest in rows
+        for clip, answer, novelty, frames, share, times, likeliest, label in rows
     ]
+
+
+@of_result
+def summary(output: Path) -> dict[str, Any]:
+    """How often each answer was given and, where there are labels, how many are right: `none` is of a label that the
+    model has not learnt.
+    """
+    found = h5.read(output, KIND).arrays
+    kind = str(found["queries"])
+    names, counts = np.unique(found["answers"], return_counts=True)
+    facts: dict[str, Any] = {
+        QUERIES[kind]: len(found["answers"]),
+        "answered": dict(zip(names.tolist(), counts.tolist(), strict=True)),
+    }
+    if "truth" not in found:
+        return facts
+    truth, answers = found["truth"], found["answers"]
+    learnt = np.isin(truth, found["actions"])
+    for what, mine, right in (("right", learnt, truth), ("none_of_labels_not_learnt", (truth != "") & ~learnt, NONE)):
+        if mine.any():
+            facts |= {what: int((answers == right)[mine].sum()), f"{what}_of": int(mine.sum())}
+    return facts
 
 
 def _segments(found: Mapping[str, np.ndarray]) -> list[dict[str, Any]]:
@@ -133,15 +166,34 @@ def recognised_arrays(
 def _queries(known: Motions, params: MocapClassify, seed: int) -> tuple[str, Queries]:
     """What is asked about: the kind as the artefact names it, and the queries."""
     if params.window is not None:
+        for odd in odd_windows(known, params.window, params.step):
+            log.warning("%s", odd)
         return "window", queries.windows(known, params.window, params.step or params.window / 4)
     if params.unordered:
         return "unordered", queries.unordered_frames(known, params.unordered, params.draws, seed)
     return "clip", queries.whole_clips(known)
 
 
+def odd_windows(known: Motions, window: float, step: float | None) -> list[str]:
+    """What a person may not expect of windows: frames that none sees, takes shorter than one, one of a single frame."""
+    lengths = known.lengths / known.rates
+    short = [clip.name for clip, length in zip(known.clips, lengths, strict=True) if length < window]
+    found = []
+    if step is not None and step > window:
+        found.append(f"--step {step:g} is longer than --window {window:g}: the frames in between are seen by no window")
+    if short:
+        found.append(
+            f"{len(short)} of {len(known.clips)} clips, such as {short[0]}, are shorter than --window {window:g}: "
+            "each is asked about as a whole"
+        )
+    if window * float(np.max(known.rates)) < 1:
+        found.append(f"--window {window:g} is shorter than a frame: each window is one frame")
+    return found
+
+
 def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """Write a line for each segment, or else for each query: the posterior is that of `best`, which is the action
-    unless that is none.
+    """Write a line for each segment, or else for each query: with `best`, the likeliest of the actions even where the
+    answer is none, its posterior, and the label where there are any.
     """
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
@@ -150,8 +202,10 @@ def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[
         arrays[kind + name] for name in (("clip", "time", "answer") if kind else ("clips", "times", "answers"))
     )
     shares = arrays["segment_posterior"] if kind else arrays["posterior"].max(axis=1)
-    best = [] if kind else [[name] for name in arrays["actions"][arrays["posterior"].argmax(axis=1)]]
-    lines.writerow(["clip", "start_s", "end_s", "action", "posterior", *(["best"] if best else [])])
+    best = [] if kind else arrays["actions"][arrays["posterior"].argmax(axis=1)].tolist()
+    labels = [] if kind else arrays.get("truth", np.empty(0, np.str_)).tolist()
+    told = ["best", "posterior_of_best"] if best else ["posterior"]
+    lines.writerow(["clip", "start_s", "end_s", "action", *told, *(["label"] if labels else [])])
     for n, (clip, (start, end), name, share) in enumerate(zip(clips, times, names, shares, strict=True)):
-        lines.writerow([clip, f"{start:.3f}", f"{end:.3f}", name, f"{share:.4f}", *(best[n] if best else [])])
+        lines.writerow([clip, f"{start:.3f}", f"{end:.3f}", name, *best[n : n + 1], f"{share:.4f}", *labels[n : n + 1]])
     atomic.write_text(path, text.getvalue())

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ipcli.errors import FormatError
+from ipcli.errors import FormatError, IpcliError
 from ipcli.executor import map_items
 from ipcli.io.files import h5, images, ply
 from ipcli.io.meshes import mesh
@@ -34,25 +34,38 @@ def run(
 ) -> Outcome:
     """Write the maps and beside them a page (.html) and for each picture its map as grey levels (.NAME.png), for a
     surface its cloud or mesh with a property `saliency` (.NAME.ply).
+
+    Pictures of a folder that cannot be read do not stop the others: IpcliError names them when those are done.
     """
     beside: dict[Path, Beside] = {}
-    if source.suffix.lower() == ".ply":
+    broken: dict[str, str] = {}
+    if source.suffix.lower() in mesh.JOINED:
         files = {source.stem: source}
         beside[output.with_suffix(f".{source.stem}.ply")] = partial(write_surface, source)
         build = partial(of_surface, source, model)
     else:
-        files = pictures_of(source)
+        files, broken = readable(pictures_of(source))
         beside |= {output.with_suffix(f".{name}.png"): partial(write_map, name) for name in files}
         build = partial(predicted, files, model, params, run, progress)
     inputs = (*files.values(), *([model] if model else []))
     job = Job(output, KIND, "saliency-predict", params, inputs, beside | page(output, KIND))
-    return make(job, build, run)
+    outcome = make(job, build, run)
+    if broken:
+        left = "; ".join(f"{name}: {reason}" for name, reason in broken.items())
+        total = len(files) + len(broken)
+        raise IpcliError(f"{len(broken)} of {total} pictures left out of {output}: {left}. Mend or remove them")
+    return outcome
 
 
 def read_surface(source: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
-    """Points (n, 3), unit normals (n, 3) and triangles (m, 3), if there are, of a PLY file. Raises FormatError for too
-    few points, and for a cloud without normals.
+    """Points (n, 3), unit normals (n, 3) and triangles (m, 3), if there are, of a mesh or of a cloud (PLY). Raises
+    FormatError for too few points, and for a cloud without normals.
     """
+    if source.suffix.lower() != ".ply":
+        vertices, faces = mesh.read_joined(source)
+        if len(vertices) >= FEWEST:
+            return vertices, upright_normals(vertices, faces), faces
+        raise FormatError(source, "too few points", expected=f"{FEWEST} or more", got=len(vertices))
     declared = ply.header(source).elements
     if declared.get("face", (0, ()))[0]:
         vertices, faces = mesh.read(source)
@@ -101,9 +114,25 @@ def pictures_of(source: Path) -> dict[str, Path]:
     inside = sorted(source.iterdir()) if source.is_dir() else [source]
     files = [path for path in inside if path.suffix.lower() in PICTURES and path.is_file()]
     if not files:
-        raise FormatError(source, "no picture", expected=" ".join(PICTURES))
+        expected = f"{' '.join(PICTURES)}, or a mesh or cloud ({' '.join(mesh.JOINED)})"
+        some = next((path for path in inside if path.suffix.lower() in mesh.JOINED), None) if source.is_dir() else None
+        fix = f"Surfaces are given one by one: {some}" if some else "Convert it"
+        raise FormatError(source, "no picture and no surface", expected=expected, fix=fix)
     stems = [path.stem for path in files]
     return {path.stem if stems.count(path.stem) == 1 else path.name: path for path in files}
+
+
+def readable(files: Mapping[str, Path]) -> tuple[dict[str, Path], dict[str, str]]:
+    """The pictures that can be read, and why the others cannot. Raises the FormatError of the first if none can."""
+    broken: dict[str, str] = {}
+    for name, path in files.items():
+        try:
+            images.read_image(path)
+        except FormatError as error:
+            if len(broken) + 1 == len(files):
+                raise
+            broken[name] = str(error)
+    return {name: path for name, path in files.items() if name not in broken}, broken
 
 
 def predictor_of(model: Path | None, subject: str) -> Predictor | None:

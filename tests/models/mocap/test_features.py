@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from ipcli.errors import ParameterError
 from ipcli.geometry import lie
 from ipcli.geometry.motion import heading
+from ipcli.geometry.skeleton import NO_PARENT
 from ipcli.models.mocap import features
 from ipcli.models.mocap.parameters import MOTION, Features
 from tests.fixtures.mocap_bodies import GROUPS, NAMES, OFFSETS, SKELETON, motion, poses
@@ -267,6 +268,13 @@ def test_of_a_single_frame_or_beside_an_unknown_one_no_change_is_known():
     hidden[4, NAMES.index("left_hand")] = np.nan
     known = np.isfinite(change(replace(moved, positions=hidden))).all(axis=1)
     np.testing.assert_array_equal(known, [True, True, True, False, True, False, True, True, True])
+
+
+def test_joints_without_parents_are_said_to_be_the_cause():
+    moved = poses(2, 13)
+    alone = replace(moved.skeleton, parents=(NO_PARENT,) * len(moved.skeleton.joints))
+    with pytest.raises(ParameterError, match="the joints have no parents.*add `parents`.*docs/motions.md"):
+        features.height(replace(moved, skeleton=alone), GROUPS)
 
 
 def test_a_body_without_height_is_refused():

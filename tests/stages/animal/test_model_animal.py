@@ -1,14 +1,18 @@
 """The stage: heights come back from their artefact as they were, and a model keeps its size."""
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 
-from ipcli.errors import ParameterError
+from ipcli.errors import IpcliError, ParameterError
 from ipcli.io.files import h5
 from ipcli.io.parts import project
 from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.parameters import Inflation, Modelling
+from ipcli.params import Run
 from ipcli.stages.animal import model_animal
+from ipcli.stages.animal.parameters import ModelAnimal
 from tests.fixtures import limbs
 
 
@@ -28,3 +32,11 @@ def test_heights_come_back_from_their_artefact(tmp_path):
 def test_an_output_that_is_no_model_is_refused(tmp_path):
     with pytest.raises(ParameterError, match=r"\.glb"):
         model_animal.check_suffix(tmp_path / "a.fbx")
+
+
+@pytest.mark.parametrize(("views", "count"), [(1, 1), (2, 0)])
+def test_one_view_alone_is_said_to_guess_the_depth(tmp_path, caplog, views, count):
+    path = limbs.write_project(tmp_path, ("left", "front")[:views], longest=24)
+    with suppress(IpcliError):  # the steps themselves are not wanted
+        model_animal.run(path, tmp_path / "x.glb", ModelAnimal(), Run(dry_run=True))
+    assert sum("one view alone: the depth" in record.message for record in caplog.records) == count

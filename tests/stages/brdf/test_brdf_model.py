@@ -98,3 +98,25 @@ def test_given_normals_are_integrated(made):
     errors = dict(zip(arrays["metric_rows"], arrays["metrics"], strict=True))
     assert errors["this surface"][0] < 0.1
     assert errors["this surface"][2] < 0.6
+
+
+def test_what_a_person_should_know_is_said_on_the_console(made):
+    sound = h5.read(made / "egg.h5", "brdf-object").arrays | {"residual": np.array(0.03), "sheet": np.array(0.1)}
+    assert brdf_model.doubts(sound) == []
+    cut = sound["mask"].copy()
+    cut[-1, 3:9] = 1
+    assert "runs along 6 pixels of the picture's border" in brdf_model.doubts(sound | {"mask": cut})[0]
+    (poor,) = brdf_model.doubts(sound | {"residual": np.array(0.126)})
+    assert "poorly (residual 0.13)" in poor
+    assert f"likeliest of the {len(sound['materials'])} of the library" in poor
+    assert "--rim solid or --rim sheet decides" in brdf_model.doubts(sound | {"sheet": np.array(0.55)})[0]
+
+
+def test_a_list_of_materials_or_a_lacking_library_is_told_from_a_library(made, tmp_path, capsys):
+    (tmp_path / "materials.toml").write_text("[materials]\n")
+    words = [str(made / "egg.png"), "--mask", str(made / "egg.mask.png"), "-o", str(tmp_path / "x.h5")]
+    assert main(["brdf-model", str(tmp_path / "materials.toml"), *words]) == 1
+    assert "a list of materials, not a library" in (told := capsys.readouterr().err)
+    assert "brdf-train materials.toml -o materials.h5" in told
+    assert main(["brdf-model", *words]) == 2
+    assert "two files are needed, LIBRARY (of brdf-train) and PHOTO" in capsys.readouterr().err

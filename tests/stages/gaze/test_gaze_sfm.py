@@ -10,6 +10,10 @@ from ipcli.cli.main import main
 from ipcli.geometry import lens
 from ipcli.io.files import h5, ply
 from ipcli.io.gaze import layouts
+from ipcli.params import Run
+from ipcli.stages.gaze import gaze_sfm
+from ipcli.stages.gaze.parameters import GazeSfm
+from tests.fixtures.attack.seeds import SEEDS
 
 COURSE = room.Course(frames=8, width=320, height=240, gaze_rate=45.0)
 
@@ -212,3 +216,10 @@ def test_a_recording_is_localised_in_the_map_of_an_earlier_run(made, folder, tmp
     off = a["world_from_rig"][:, :3, 3] - earlier["world_from_rig"][2:6, :3, 3]
     assert np.linalg.norm(off, axis=1).max() < 0.01
     np.testing.assert_array_equal(a["map/points"], earlier["map/points"])
+
+
+@pytest.mark.parametrize(("only", "count"), [(False, 1), (True, 0)])
+def test_a_recording_without_gaze_is_said_to_have_none(tmp_path, caplog, only, count):
+    source = SEEDS["gaze/kitti"].write(tmp_path)
+    gaze_sfm.run(source, tmp_path / "x.h5", GazeSfm(poses_only=only), Run(dry_run=True))
+    assert sum("no gaze, so no points of regard" in record.message for record in caplog.records) == count

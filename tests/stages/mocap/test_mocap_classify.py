@@ -1,5 +1,6 @@
 """mocap-classify writes answers and a table of them, and says so when there is nothing to answer by."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -41,11 +42,48 @@ def test_answers_are_those_of_the_artefact_and_of_the_table(model, tmp_path):
     schema.validate(schema.kind("action-recognition"), found)
     told = mocap_classify.answers(tmp_path / "y.recognition.h5")
     assert [answer["answer"] for answer in told] == ["kick", "wave"]
-    assert [answer["posterior"] for answer in told] == found["posterior"].max(axis=1).tolist()
+    assert [answer["posterior_of_best"] for answer in told] == found["posterior"].max(axis=1).tolist()
     lines = (tmp_path / "y.recognition.csv").read_text(encoding="utf-8").splitlines()
-    assert lines[0] == "clip,start_s,end_s,action,posterior,best"
-    expected = [f"{a['clip']},0.000,0.800,{a['answer']},{a['posterior']:.4f},{a['best']}" for a in told]
+    assert lines[0] == "clip,start_s,end_s,action,best,posterior_of_best,label"
+    expected = [
+        f"{a['clip']},0.000,0.800,{a['answer']},{a['best']},{a['posterior_of_best']:.4f},{a['label']}" for a in told
+    ]
     assert lines[1:] == expected
+
+
+def test_the_console_counts_answers_and_those_that_are_right(model, tmp_path):
+    classify(model, tmp_path, [clip("kick", 3), clip("wave", 3)], none=False)
+    output = tmp_path / "y.recognition.h5"
+    expected = {"output": output, "clips": 2, "answered": {"kick": 1, "wave": 1}, "right": 2, "right_of": 2}
+    assert mocap_classify.summary(output) == expected
+
+
+def test_a_label_that_was_never_learnt_is_counted_apart(model, tmp_path):
+    classify(model, tmp_path, [clip("kick", 3), replace(clip("wave", 3), label="swim")], none=False)
+    told = mocap_classify.summary(tmp_path / "y.recognition.h5")
+    assert [told[name] for name in ("right", "right_of")] == [1, 1]
+    assert [told[f"none_of_labels_not_learnt{end}"] for end in ("", "_of")] == [0, 1]
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"window": 0.5, "step": 1.0}, "--step 1 is longer than --window 0.5: the frames in between are seen by no"),
+        ({"window": 60.0}, "1 of 1 clips, such as .*, are shorter than --window 60: each is asked about as a whole"),
+        ({"window": 0.001}, "--window 0.001 is shorter than a frame: each window is one frame"),
+        ({"window": 0.5}, None),
+    ],
+)
+def test_windows_that_are_not_what_one_expects_are_said_to_be(model, tmp_path, caplog, given, said):
+    classify(model, tmp_path, [take()], none=False, **given)
+    warnings = [record.message for record in caplog.records if "--window" in record.message]
+    assert len(warnings) == (said is not None)
+    assert all(re.search(said, warning) for warning in warnings)
+
+
+def test_a_window_of_no_length_is_wrong_usage(model, tmp_path):
+    with pytest.raises(ParameterError, match=r"--window 0: a window has a length.*Leave the option out"):
+        classify(model, tmp_path, [take()], window=0.0)
 
 
 def test_of_windows_the_table_has_the_segments(model, tmp_path):

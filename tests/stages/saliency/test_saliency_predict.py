@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ipcli.errors import FormatError
+from ipcli.errors import FormatError, IpcliError
 from ipcli.io.files import h5, images, ply
 from ipcli.params import Run
 from ipcli.stages.saliency import saliency_predict
@@ -52,3 +52,41 @@ def test_what_cannot_be_predicted_on_is_refused(tmp_path):
     (tmp_path / "empty").mkdir()
     with pytest.raises(FormatError, match="no picture"):
         saliency_predict.pictures_of(tmp_path / "empty")
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".stl", ".glb"])
+def test_any_mesh_gives_the_map_of_its_ply(tmp_path, suffix):
+    import trimesh
+
+    ball = trimesh.creation.icosphere(2)
+    found = {}
+    for name in (f"a{suffix}", "a.ply"):
+        source, output = tmp_path / name, tmp_path / f"{name}.maps.h5"
+        ball.export(source)
+        saliency_predict.run(source, output, None, SaliencyPredict(), Run())
+        arrays = h5.read(output, "saliency-maps").arrays
+        found[name] = sorted(
+            zip(arrays["surfaces/a/points"].round(4).tolist(), arrays["surfaces/a/map"].tolist(), strict=True)
+        )
+    points, maps = (np.array([row[part] for row in found[f"a{suffix}"]], float) for part in (0, 1))
+    np.testing.assert_allclose(points, np.array([row[0] for row in found["a.ply"]]), atol=2e-4)
+    assert np.isfinite(maps).all()
+    assert len(maps) == 162
+
+
+def test_a_broken_picture_does_not_stop_the_others_and_is_named(tmp_path):
+    folder, output = tmp_path / "in", tmp_path / "out.h5"
+    for name in "ab":
+        images.write_png(folder / f"{name}.png", np.full((24, 32, 3), 90, np.uint8))
+    (folder / "c.png").write_bytes(b"broken")
+    for _ in range(2):  # again: the others are up to date, and it is still named
+        with pytest.raises(IpcliError, match=r"1 of 3 pictures left out of .*out\.h5: c: .*c\.png.*Mend or remove"):
+            saliency_predict.run(folder, output, None, SaliencyPredict(), Run())
+    assert saliency_predict.summary(output)["pictures"] == 2
+    assert output.with_suffix(".a.png").is_file()
+
+
+def test_a_folder_of_surfaces_is_told_that_they_are_given_one_by_one(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\n")
+    with pytest.raises(FormatError, match=r"no picture and no surface.*\.ply \.obj \.stl \.glb.*one by one: .*a\.obj"):
+        saliency_predict.run(tmp_path, tmp_path / "out.h5", None, SaliencyPredict(), Run())
