@@ -13,7 +13,7 @@ from ipcli.report.gaze.sides import from_above, from_the_side
 from ipcli.report.kit import pictures
 from ipcli.report.kit.curves import Series, plot
 from ipcli.report.kit.numbers import number, percent, with_unit
-from ipcli.report.kit.page import Markup, element, figure, gallery, notice, section, table
+from ipcli.report.kit.page import TURNED, Markup, element, figure, gallery, join, notice, section, table
 from ipcli.report.kit.page import page as document
 from ipcli.report.kit.pictures import photograph
 from ipcli.report.kit.provenance import origin
@@ -47,9 +47,11 @@ def _verdict(a: Mapping[str, np.ndarray]) -> str:
 
 
 def _sides(a: Mapping[str, np.ndarray]) -> Markup:
-    lead = (
+    lead = join(
         "The head's path (blue), points of regard (red) and the map (grey), in the frame of the first picture: x to "
-        "its right, z the way it looked. The page X.turn.html beside this one shows the same to be turned."
+        "its right, z the way it looked. The page ",
+        TURNED,
+        " beside this one shows the same to be turned.",
     )
     both = gallery(from_above(a), from_the_side(a), columns=2)
     return section("Path and map", both, lead=lead)
