@@ -5,7 +5,8 @@
 # a folder of the layout of sample_data/motions, or a clips artefact, with ACTORS to choose settings on.
 
 BENCH := .venv/.bench
-BENCHMARKS := fusion-solver fusion-baselines fusion-scaling mocap-gibbs mocap-speed mocap-peers gaze-paths saliency-speed brdf-speed
+BENCHMARKS := fusion-solver fusion-baselines fusion-scaling fusion-memory mocap-gibbs mocap-speed mocap-peers gaze-paths \
+    saliency-speed brdf-speed
 MOTIONS ?= sample_data/motions
 ACTORS ?= ann,bob
 # RECORDING, with its truth (and gaze), is what gaze-paths and saliency-speed take; without one they take a generated room.

@@ -11,6 +11,7 @@ from math import ceil, sqrt
 import numpy as np
 
 MOST_PIXELS = 4_000_000  # of a map whose errors are measured at every pixel
+MAP_PIXELS = 2_000_000  # of a map that is drawn from every pixel
 
 
 def mean_over_scenes(values: np.ndarray, columns: Sequence[str], *, arithmetic: bool = False) -> np.ndarray:

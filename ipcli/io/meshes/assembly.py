@@ -14,6 +14,7 @@ import numpy as np
 
 from ipcli.errors import ParameterError
 from ipcli.io.files import atomic, ply
+from ipcli.io.meshes import turntable
 
 SUFFIXES = (".glb", ".ply", ".obj", ".stl")
 COLOURS = (  # of the parts in turn, RGB: Kelly's contrasts, muted for pictures
@@ -75,14 +76,18 @@ def glb(vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray, names: S
 
 
 def turnable(
-    vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray, names: Sequence[str], most_faces: int
+    title: str, vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray, names: Sequence[str], most_faces: int
 ) -> str:
-    """A page that needs nothing else, in which the model can be turned; made lighter where it has more faces."""
-    from trimesh.viewer import scene_to_html
-
+    """A page that needs nothing else, in which the model, x forward and z up, can be turned, first seen from its left
+    and a little from the front; made lighter where it has more faces.
+    """
     if len(faces) > most_faces:
         vertices, faces, face_part = lighter(vertices, faces, face_part, most_faces)
-    return scene_to_html(scene_of(vertices, faces, face_part, names, "model"))
+    upright = np.ascontiguousarray(vertices[:, [1, 2, 0]])  # y up, as viewers have it
+    legend = {name: colour(part) for part, name in enumerate(names)}
+    start = turntable.looking_from(upright, np.array([1.0, 0.35, 0.7]))
+    scene = scene_of(upright, faces, face_part, names, "model")
+    return turntable.turning_page(scene, title, "The model by its parts:", legend, from_camera=start)
 
 
 def lighter(

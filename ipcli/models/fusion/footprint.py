@@ -8,13 +8,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ipcli.measurements.accuracy import MAP_PIXELS, thinning
 from ipcli.models.fusion.parameters import METHODS, Fusion
 from ipcli.models.fusion.tiles import EVERY, MARGIN, side_of_tiles
 
 PROCESS = 350_000_000  # bytes of the interpreter, its libraries and compiled kernels
+PUBLISHING = 480_000_000  # the same while mesh and pages are drawn
+PICTURED = 150  # of the page, a pixel that it is drawn from
 MAPS = 35  # of the reference: depth, mean, median, confidence, uncertainty, normals, observations, what is filled
 FILLING = 16  # of the reference, while holes are filled
-WORKING = 235  # of a tile, whatever the number of views: the iteration, and normals in double precision
+WORKING = 250  # of a tile, whatever the number of views: the iteration, and normals in double precision
 OBSERVATION = 12  # of a tile, a view: as reprojected, sorted, and once more while it is sorted
 WEIGHT = 12  # the same of a given confidence
 OWN_CONFIDENCE = 24  # of a method with a confidence for each observation
@@ -48,12 +51,14 @@ def footprint(size: FusionSize, fusion: Fusion, side: int) -> int:
     observation += OWN_CONFIDENCE if METHODS[fusion.method].each_view else 0
     own = WORKING + size.views * observation
     resting = PROCESS + pixels * size.reference_bytes
+    drawn = PICTURED * pixels // thinning(pixels, MAP_PIXELS) ** 2 + PUBLISHING - PROCESS + MAPS * pixels
     if not side:
-        return resting + size.views * view + pixels * own
+        return resting + size.views * view + max(pixels * own, drawn)
     tile = min(side + 2 * MARGIN, h) * min(side + 2 * MARGIN, w)
     kept = 4 * size.views * pixels // EVERY**2
     reading = 2 * min(size.at_once, size.views) * view
-    return resting + MAPS * pixels + kept + max(FILLING * pixels, reading + tile * own)
+    fusing = MAPS * pixels + max(FILLING * pixels, reading + tile * own)
+    return resting + kept + max(fusing, drawn)
 
 
 def side_within(size: FusionSize, fusion: Fusion, limit: int) -> int | None:

@@ -10,6 +10,7 @@ from ipcli.report.animal import surfaces
 from ipcli.report.kit import pictures
 from ipcli.report.kit.numbers import percent
 from ipcli.report.kit.page import (
+    TURNED,
     Markup,
     columns_for,
     details,
@@ -69,9 +70,10 @@ def _turning(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
     shots = surfaces.turntable(arrays["vertices"].astype(np.float64), arrays["faces"], colours, AROUND, longest)
     shown = [figure(photograph(shot, widest), f"{(45 + 360 * k // AROUND) % 360}°") for k, shot in enumerate(shots)]
     aspect = shots[0].shape[1] / shots[0].shape[0]
-    lead = (
-        "From around, 15° from above; 0° is in front of the animal, 90° to its left. The page X.turn.html beside this "
-        "one shows the same to be turned."
+    lead = join(
+        "From around, 15° from above; 0° is in front of the animal, 90° to its left. The page ",
+        TURNED,
+        " beside this one shows the same to be turned.",
     )
     return section(
         "The model", gallery(*shown, columns=columns_for(aspect, AROUND, small=True)), _legend(arrays), lead=lead

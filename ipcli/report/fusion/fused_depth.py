@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from ipcli.geometry.surface import normals
-from ipcli.measurements.accuracy import thinned_camera, thinning
+from ipcli.measurements.accuracy import MAP_PIXELS, thinned_camera, thinning
 from ipcli.report.fusion import accuracy
 from ipcli.report.kit import curves, pictures, surface
 from ipcli.report.kit.numbers import aligned, finite, number, percent, with_unit
 from ipcli.report.kit.page import (
+    TURNED,
     Markup,
     bar,
     columns_for,
@@ -32,7 +33,6 @@ from ipcli.report.kit.provenance import origin
 
 PIXELS = 280_000  # of the largest pictures: they are shown at about 430 x 320, and noise does not compress
 THUMBNAIL_PIXELS = 250_000  # of all thumbnails together
-MAP_PIXELS = 2_000_000  # of a map that is drawn from every pixel
 LITTLE_OVERLAP = 0.05  # share of the reference's pixels below which a view hardly takes part
 SMALL = (420, 270)  # width and height of plots that stand three in a row
 
@@ -121,9 +121,9 @@ def _verdict(fused: PicturedMap) -> Markup:
 def _gain(fused: PicturedMap) -> list[object]:
     """How far the fused map is from the truth, against the median of the same observations."""
     a = fused.arrays
-    if "metrics" not in a:
+    rows, columns = ([str(name) for name in a.get(field, ())] for field in ("metric_rows", "metric_columns"))
+    if not {"median", "fused"} <= set(rows) or "MAE" not in columns:
         return []
-    rows, columns = ([str(name) for name in a[field]] for field in ("metric_rows", "metric_columns"))
     median, found = (float(a["metrics"][rows.index(name), columns.index("MAE")]) for name in ("median", "fused"))
     if not np.isfinite(found):
         return [" The truth shares no pixel with the map."]
@@ -221,7 +221,9 @@ def _surface(fused: PicturedMap) -> Markup:
         ),
     ]
     return section(
-        "Surface", gallery(*shown, columns=columns_for(fused.aspect, 3)), lead="What the depth map is worth as a shape."
+        "Surface",
+        gallery(*shown, columns=columns_for(fused.aspect, 3)),
+        lead=join("What the depth map is worth as a shape; ", TURNED, " shows it to be turned."),
     )
 
 

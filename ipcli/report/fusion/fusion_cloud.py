@@ -9,7 +9,7 @@ import numpy as np
 
 from ipcli.report.kit import pictures, surface
 from ipcli.report.kit.numbers import percent, with_unit
-from ipcli.report.kit.page import Markup, figure, meter, section, table
+from ipcli.report.kit.page import TURNED, Markup, figure, join, meter, section, table
 from ipcli.report.kit.page import page as document
 from ipcli.report.kit.pictures import photograph
 from ipcli.report.kit.provenance import origin
@@ -20,9 +20,11 @@ CANVAS = (540, 860)  # rows and columns of the picture
 def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], *, widest: int = pictures.WIDEST) -> str:
     """The HTML of a "fusion-cloud" artefact; no picture is stored wider than `widest` pixels."""
     unit, count = str(arrays["unit"]), len(arrays["points"])
+    most = int(np.median(arrays["views"])) if count else 0
+    share = float((arrays["views"] >= most).mean()) if count else 0.0
     verdict = (
-        f"{count} points on a grid of {with_unit(float(arrays['spacing']), unit)}; half of them are seen alike by "
-        f"{np.median(arrays['views']):.0f} maps or more."
+        f"{count} points on a grid of {with_unit(float(arrays['spacing']), unit)}; {percent(share)} of them are seen "
+        f"alike by {most} maps or more."
         if count
         else "The cloud is empty."
     )
@@ -43,7 +45,10 @@ def _picture(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
     rotation, shift = middle[:3, :3], middle[:3, 3]
     points, normals = arrays["points"] @ rotation.T + shift, arrays["normals"] @ rotation.T
     shown = surface.cloud(points, normals, arrays.get("colors"), CANVAS)
-    return section("Cloud", figure(photograph(shown, widest), "The cloud, seen from beside the middle camera"))
+    lead = join("The page ", TURNED, " shows it to be turned.")
+    return section(
+        "Cloud", figure(photograph(shown, widest), "The cloud, seen from beside the middle camera"), lead=lead
+    )
 
 
 def _by_map(arrays: Mapping[str, np.ndarray]) -> Markup:

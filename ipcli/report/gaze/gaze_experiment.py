@@ -14,7 +14,7 @@ from ipcli.report.gaze.sides import from_above, from_the_side
 from ipcli.report.kit import pictures
 from ipcli.report.kit.curves import Series, plot
 from ipcli.report.kit.numbers import number, percent, with_unit
-from ipcli.report.kit.page import Markup, element, figure, gallery, notice, section, table
+from ipcli.report.kit.page import TURNED, Markup, element, figure, gallery, join, notice, section, table
 from ipcli.report.kit.page import page as document
 from ipcli.report.kit.pictures import photograph
 from ipcli.report.kit.provenance import origin
@@ -55,10 +55,12 @@ def _verdict(a: Mapping[str, np.ndarray]) -> str:
 
 
 def _sides(a: Mapping[str, np.ndarray]) -> Markup:
-    lead = (
-        f"The head's path (blue){', points of regard (red)' if _has_gaze(a) else ''} and the map (grey), in the frame "
-        "of the first picture: x to its right, z the way it looked. The page X.turn.html beside this one shows the "
-        "same to be turned."
+    regards = ", points of regard (red)" if _has_gaze(a) else ""
+    lead = join(
+        f"The head's path (blue){regards} and the map (grey), in the frame of the first picture: x to its right, z the "
+        "way it looked. The page ",
+        TURNED,
+        " beside this one shows the same to be turned.",
     )
     both = gallery(from_above(a), from_the_side(a), columns=2)
     return section("Path and map", both, lead=lead)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from html import escape
+from urllib.parse import quote
 
 from ipcli.report.kit.numbers import number, with_unit
 from ipcli.report.kit.pictures import Picture, Scale, strip
@@ -54,6 +55,15 @@ def page(title: str, eyebrow: str, verdict: object, *parts: Markup) -> str:
 def section(title: str, *parts: Markup, lead: object = "") -> Markup:
     """A titled part of the page; ``lead`` is the sentence under the title that says how to read it."""
     return element("section", element("h2", title), element("p", lead, class_="lead") if lead else "", *parts)
+
+
+TURNED = element("a", "X.turn.html", href="X.turn.html")  # the page beside this one in which a surface can be turned
+
+
+def with_turning_page(html: str, name: str | None) -> str:
+    """The page with the links of TURNED leading to the file of that name, or mere words for None."""
+    link = element("a", name, href=quote(name)) if name else Markup("X.turn.html")
+    return html.replace(TURNED, link)
 
 
 def notice(text: object) -> Markup:

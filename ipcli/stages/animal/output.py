@@ -14,7 +14,7 @@ from ipcli.io.files import atomic
 from ipcli.io.meshes import assembly
 from ipcli.measurements.part_images import PartTree
 from ipcli.stages.animal.parameters import ModelAnimal
-from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.pages import page, turning_page
 
 if TYPE_CHECKING:
     from ipcli.stages.kit.artefact import Beside
@@ -29,17 +29,12 @@ def side_files(output: Path, params: ModelAnimal, tree: PartTree | None) -> dict
     artefact = output.with_suffix(".h5")
     beside: dict[Path, Beside] = {artefact.with_suffix(suffix): partial(write_mesh, suffix)}
     beside |= page(artefact, "animal-model")
-    beside[turntable(artefact)] = write_turntable
+    beside[turning_page(artefact)] = partial(write_turntable, f"model-animal: {artefact.name}")
     if params.separate_parts != "none" and tree is not None:
         for part, name in enumerate(tree.names):
             path = artefact.with_suffix(f".{file_word(name)}.{params.separate_parts}")
             beside[path] = partial(write_part, part, f".{params.separate_parts}")
     return beside
-
-
-def turntable(artefact: Path) -> Path:
-    """Name of the page in which the model can be turned."""
-    return artefact.with_suffix(".turn.html")
 
 
 def file_word(name: str) -> str:
@@ -78,8 +73,8 @@ def write_part(
     assembly.write(path, vertices, faces, labels, names, comment=f"digest {provenance['digest']}", suffix=suffix)
 
 
-def write_turntable(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+def write_turntable(title: str, path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
     """A page of its own in which the model can be turned, three.js within."""
     atomic.write_text(path, assembly.turnable(
-        arrays["vertices"], arrays["faces"], arrays["face_part"], [str(name) for name in arrays["parts"]], TURNED
+        title, arrays["vertices"], arrays["faces"], arrays["face_part"], [str(name) for name in arrays["parts"]], TURNED
     ))  # fmt: skip

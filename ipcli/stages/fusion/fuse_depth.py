@@ -17,26 +17,24 @@ import numpy as np
 from ipcli import threads
 from ipcli.errors import NoSolution, ParameterError
 from ipcli.executor import map_items
-from ipcli.geometry.cameras import back_project, transform
-from ipcli.geometry.surface import PixelGrid
-from ipcli.io.files import h5, ply
+from ipcli.io.files import h5
 from ipcli.io.views import camera
 from ipcli.measurements.names import window
 from ipcli.measurements.views import View, Views
 from ipcli.models.fusion.assessment import error_table, view_table
 from ipcli.models.fusion.checks import convergence_warnings, geometry_warnings
 from ipcli.models.fusion.fuse import Fused, fuse
-from ipcli.models.fusion.holes import SEEN
 from ipcli.models.fusion.parameters import METHODS, Fusion, Variant
 from ipcli.models.fusion.tiles import fuse_in_tiles, side_of_tiles
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
+from ipcli.stages.fusion.exports import write_mesh, write_turnable
 from ipcli.stages.fusion.memory_plan import MemoryPlan
 from ipcli.stages.fusion.parameters import FuseDepth
 from ipcli.stages.fusion.sources import middle, open_source, source_files
 from ipcli.stages.kit import outputs
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
-from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.pages import page, turning_page
 from ipcli.stages.kit.summary import of_result
 
 log = logging.getLogger(__name__)
@@ -60,6 +58,7 @@ def run(
     if params.every or params.step != 1:
         raise ParameterError("--step goes with --all, which fuses into a folder")
     beside = {output.with_suffix(".ply"): write_mesh} | page(output, "fused-depth")
+    beside[turning_page(output)] = partial(write_turnable, f"fuse-depth: {output.name}")
     return _fuse(source, output, params, run, beside, progress)
 
 
@@ -223,24 +222,3 @@ def no_overlap(reference: str, table: Mapping[str, np.ndarray], unit: str) -> st
         f"no view overlaps the reference view {reference!r} ({each}). Check the direction of the poses and that depth "
         f"and translation are both in {unit}"
     )
-
-
-def write_mesh(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """Write the surface in world coordinates with normals, colours, confidence and observations, only where
-    observations support it.
-    """
-    world_from_cam = np.linalg.inv(arrays["cam_from_world"])
-    keep = (arrays["filled"] == SEEN) & np.isfinite(arrays["depth"]) & np.isfinite(arrays["normals"]).all(axis=-1)
-    grid = PixelGrid.of(arrays["depth"], keep)
-
-    def vertices(rows: slice) -> np.ndarray:
-        own = keep[rows]
-        points = transform(world_from_cam, back_project(arrays["depth"][rows], arrays["intrinsics"], rows.start)[own])
-        normals = arrays["normals"][rows][own] @ world_from_cam[:3, :3].T
-        colors = arrays["image"][rows][own] if "image" in arrays else None
-        extra = {name: arrays[name][rows][own] for name in ("confidence", "observations")}
-        return ply.vertex_table(path, points.astype(np.float32), normals.astype(np.float32), colors, extra)
-
-    comments = (f"ipcli fuse-depth, unit {arrays['unit']}, digest {provenance['digest']}",)
-    counts = (int(keep.sum()), grid.count())
-    ply.write_bands(path, map(vertices, grid.bands()), counts, grid.faces(), comments)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,10 @@ from ipcli.io.files import h5, ply
 from ipcli.models.fusion.holes import SEEN
 from ipcli.models.fusion.merge import Cloud, FusedMap, depth_noise, merge
 from ipcli.params import Run
+from ipcli.stages.fusion.exports import write_turnable_cloud
 from ipcli.stages.fusion.parameters import MergeDepth
 from ipcli.stages.kit.artefact import Job, Outcome, make
-from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.pages import page, turning_page
 
 NEEDED = {
     "depth",
@@ -46,6 +47,7 @@ def run(files: Sequence[Path], output: Path, params: MergeDepth, run: Run) -> Ou
         )
     inputs = tuple(sorted(set(files)))
     beside = {output.with_suffix(".ply"): write_cloud} | page(output, "fusion-cloud")
+    beside[turning_page(output)] = partial(write_turnable_cloud, f"merge-depth: {output.with_suffix('.h5').name}")
     job = Job(output.with_suffix(".h5"), "fusion-cloud", "merge-depth", params, inputs, beside)
 
     def build() -> dict[str, np.ndarray]:

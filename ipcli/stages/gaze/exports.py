@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,8 @@ import numpy as np
 
 from ipcli.io.files import atomic, ply
 from ipcli.io.gaze import colmap_model, trajectories
+from ipcli.io.meshes import turntable
+from ipcli.stages.kit.pages import turning_page
 
 if TYPE_CHECKING:
     from ipcli.stages.kit.artefact import Beside
@@ -27,7 +30,7 @@ def beside(output: Path, *, has_gaze: bool, has_areas: bool = False) -> dict[Pat
     files: dict[Path, Beside] = {
         output.with_suffix(".tum"): write_tum,
         output.with_suffix(".ply"): write_ply,
-        output.with_suffix(".turn.html"): write_turnable,
+        turning_page(output): partial(write_turnable, f"gaze-sfm: {output.name}"),
         output.with_suffix(".cameras.txt"): colmap_model.write_cameras,
         output.with_suffix(".images.txt"): colmap_model.write_images,
         output.with_suffix(".points3D.txt"): colmap_model.write_points,
@@ -117,11 +120,8 @@ def _painted(points: np.ndarray, colour: tuple[int, int, int]) -> tuple[np.ndarr
     return points, np.tile(np.array(colour, np.uint8), (len(points), 1))
 
 
-def write_turnable(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+def write_turnable(title: str, path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
     """A page with the map, the path and the points of regard to be turned; everything it needs is inside."""
-    import trimesh
-    from trimesh.viewer import scene_to_html
-
     points = a["map/points"]
     chosen = np.flatnonzero(a["map/seen"] > 1)
     chosen = chosen[:: max(1, len(chosen) // MOST)]
@@ -132,10 +132,12 @@ def write_turnable(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[
     parts = [(points[chosen], grey), _painted(_dense(a["world_from_rig"][known, :3, 3]), PATH_COLOUR)]
     if "por/points" in a:
         parts.append(_painted(a["por/points"][a["por/outcome"] == "hit"], POR_COLOUR))
-    upright = np.diag([1.0, -1.0, -1.0])  # y up, as viewers have it
-    places = np.concatenate([part for part, _ in parts]) @ upright
-    cloud = trimesh.PointCloud(places, np.concatenate([colours for _, colours in parts]))
-    atomic.write_text(path, scene_to_html(trimesh.Scene([cloud])))
+    places = np.concatenate([part for part, _ in parts]) @ turntable.UPRIGHT
+    scene = turntable.cloud_scene(places, np.concatenate([colours for _, colours in parts]))
+    legend = {"map": (128, 128, 128), "path of the head": PATH_COLOUR, "points of regard": POR_COLOUR}
+    about = "What was seen, from where, and what was looked at; first seen from behind the first picture."
+    start = turntable.looking_from(places, np.array([0.0, 0.35, 1.0]))
+    atomic.write_text(path, turntable.turning_page(scene, title, about, legend, from_camera=start))
 
 
 def _dense(path: np.ndarray, times: int = 12) -> np.ndarray:

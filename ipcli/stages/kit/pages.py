@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ipcli import report
 from ipcli.io.files import atomic
+from ipcli.report.kit.page import with_turning_page
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,8 +19,13 @@ if TYPE_CHECKING:
 
 def page(output: Path, kind: str) -> dict[Path, Beside]:
     """The side file X.html of an artefact X.h5 of this kind, with its writer."""
-    return {output.with_suffix(".html"): partial(_write, kind)}
+    return {output.with_suffix(".html"): partial(_write, kind, turning_page(output).name)}
 
 
-def _write(kind: str, path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    atomic.write_text(path, report.renderer(kind)(arrays, provenance))
+def turning_page(output: Path) -> Path:
+    """The side file of an artefact in which its surface can be turned."""
+    return output.with_suffix(".turn.html")
+
+
+def _write(kind: str, turned: str, path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+    atomic.write_text(path, with_turning_page(report.renderer(kind)(arrays, provenance), turned))

@@ -14,8 +14,10 @@ from ipcli import report
 from ipcli.errors import FormatError, IpcliError, OutputExists, OutputRefused, ParameterError
 from ipcli.io.files import atomic, h5, seal
 from ipcli.params import Run
+from ipcli.report.kit.page import with_turning_page
 from ipcli.stages.kit import outputs
 from ipcli.stages.kit.artefact import Outcome
+from ipcli.stages.kit.pages import turning_page
 from ipcli.stages.kit.parameters import Report
 
 SUFFIXES = (".html", ".htm")
@@ -31,7 +33,10 @@ def run(source: Path, output: Path, params: Report, run: Run) -> Outcome:
     if output.suffix not in SUFFIXES:
         raise ParameterError(f"{output}: a page is written as X.html. Give such a name")
     outputs.check_place(output)
-    page = render(source, params)
+    turned = turning_page(source)
+    page = with_turning_page(
+        render(source, params), os.path.relpath(turned, output.parent) if turned.exists() else None
+    )
     data = seal.sealed(page, output.name).encode("utf-8")
     if os.path.lexists(output):
         if output.read_bytes() in (data, page.encode("utf-8")):

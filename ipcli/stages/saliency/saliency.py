@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.io.files import atomic, h5, ply
+from ipcli.io.meshes import turntable
 from ipcli.io.saliency.posed import open_posed, read_cloud
 from ipcli.measurements.subsequences import over_cloud
 from ipcli.models.saliency import scene
@@ -20,7 +22,7 @@ from ipcli.report.kit.pictures import palette
 from ipcli.report.saliency.membranes import turnable
 from ipcli.report.saliency.saliency import SALIENCY
 from ipcli.stages.kit.artefact import Job, Outcome, make
-from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.pages import page, turning_page
 from ipcli.stages.kit.summary import of_result
 from ipcli.stages.saliency.parameters import Saliency as Params
 
@@ -44,7 +46,10 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
         return scene.saliency(sequence, params.scene, given, run.seed, progress)
 
     beside = {output.with_suffix(".ply"): write_ply, output.with_suffix(".objects.csv"): write_objects}
-    beside |= {output.with_suffix(".membranes.html"): write_membranes, output.with_suffix(".turn.html"): write_turnable}
+    beside |= {
+        output.with_suffix(".membranes.html"): write_membranes,
+        turning_page(output): partial(write_turnable, f"saliency: {output.name}"),
+    }
     job = Job(output, KIND, "saliency", params, (*sequence.files, *models), beside | page(output, KIND))
     return make(job, build, run)
 
@@ -73,10 +78,9 @@ def write_membranes(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping
     atomic.write_text(path, turnable(a))
 
 
-def write_turnable(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
+def write_turnable(title: str, path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
     """The cloud coloured by saliency, to be turned, with proto-objects as green spheres of dots."""
     import trimesh
-    from trimesh.viewer import scene_to_html
 
     chosen = slice(None, None, max(1, len(a["points/places"]) // TURNED))
     parts = [(a["points/places"][chosen], _coloured(a["points/saliency"][chosen]))]
@@ -84,9 +88,13 @@ def write_turnable(path: Path, a: Mapping[str, np.ndarray], provenance: Mapping[
     for track in np.unique(a["objects/track"]):
         place = a["objects/places"][a["objects/track"] == track].mean(axis=0)
         parts.append((place + ball, np.tile(np.array(GREEN, np.uint8), (len(ball), 1))))
-    upright = np.diag([1.0, -1.0, -1.0])  # y up, as viewers have it
-    cloud = trimesh.PointCloud(np.concatenate([p for p, _ in parts]) @ upright, np.concatenate([c for _, c in parts]))
-    atomic.write_text(path, scene_to_html(trimesh.Scene([cloud])))
+    places = np.concatenate([p for p, _ in parts]) @ turntable.UPRIGHT
+    scene = turntable.cloud_scene(places, np.concatenate([c for _, c in parts]))
+    low, high = (tuple(_coloured(np.array([value]))[0].tolist()) for value in (SALIENCY.low, SALIENCY.high))
+    legend = {"hardly salient": low, "salient": high, "proto-objects": GREEN}
+    start = turntable.looking_from(places, np.array([0.0, 0.35, 1.0]))
+    about = "The points of the scene by their saliency, first seen from behind the first picture."
+    atomic.write_text(path, turntable.turning_page(scene, title, about, legend, from_camera=start))
 
 
 def _coloured(saliency: np.ndarray) -> np.ndarray:

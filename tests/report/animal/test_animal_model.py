@@ -37,7 +37,7 @@ def test_the_page_says_how_well_it_fits_and_what_is_a_guess(arrays):
     assert percent(0.87) in html
     assert "view found from the masks" in html
     assert "head in left: 2 blobs" in html
-    assert "X.turn.html beside this one" in html
+    assert '<a href="X.turn.html">X.turn.html</a> beside this one' in html
     assert "&lt;ox&gt;" in html
     assert "<ox>" not in html
     assert "<script" not in html

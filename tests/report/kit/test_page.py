@@ -126,3 +126,11 @@ def test_at_least_two_go_side_by_side_wide_ones_fewer(small, aspect, count):
     assert found >= page.columns_for(2 * aspect, count, small=small)
     assert found <= page.columns_for(aspect, count + 1, small=small)
     assert f"--columns:{found}" in page.gallery(page.Markup("<p></p>"), columns=found, small=small)
+
+
+def test_the_link_to_the_page_beside_leads_to_its_file_or_is_mere_words():
+    html = page.element("p", page.TURNED)
+    assert page.with_turning_page(html, "a b<c.turn.html") == (
+        '<p><a href="a%20b%3Cc.turn.html">a b&lt;c.turn.html</a></p>'
+    )
+    assert page.with_turning_page(html, None) == "<p>X.turn.html</p>"

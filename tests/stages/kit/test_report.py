@@ -11,6 +11,7 @@ from ipcli.cli.report import main
 from ipcli.errors import FormatError, OutputExists, OutputRefused, ParameterError
 from ipcli.io.files import h5
 from ipcli.params import Run
+from ipcli.report.kit.page import with_turning_page
 from ipcli.stages.kit import report
 from ipcli.stages.kit.artefact import Outcome
 from ipcli.stages.kit.parameters import Report
@@ -56,8 +57,10 @@ def test_a_page_that_ipcli_report_did_not_write_there_is_kept_whatever_the_optio
 
 
 def test_the_page_that_a_command_left_beside_its_artefact_is_up_to_date(fused):
-    page = fused.with_suffix(".html")
-    page.write_text(report.render(fused, Report()))
+    page, turned = fused.with_suffix(".html"), fused.with_suffix(".turn.html")
+    turned.write_text("what can be turned")
+    page.write_text(with_turning_page(report.render(fused, Report()), turned.name))
+    assert f'href="{turned.name}"' in page.read_text()
     assert report.run(fused, page, Report(), Run()) is Outcome.UP_TO_DATE
 
 
