@@ -28,3 +28,21 @@ def test_heights_come_back_from_their_artefact(tmp_path):
 def test_an_output_that_is_no_model_is_refused(tmp_path):
     with pytest.raises(ParameterError, match=r"\.glb"):
         model_animal.check_suffix(tmp_path / "a.fbx")
+
+
+def test_another_image_of_the_same_side_is_registered_and_merged(tmp_path):
+    source = limbs.add_same_side(limbs.write_project(tmp_path, ("left", "front"), longest=60))
+    animal = project.read(source)
+    params = Modelling(Inflation(triangles=100))
+    arrays = model_animal.aspects_artefact(animal, params, lambda share, what: None)
+    h5.write(tmp_path / "a.h5", "animal-aspects", arrays, {})
+    assert arrays["registrations/0000/images"].tolist() == ["left", "again"]
+    turned = arrays["registrations/0000/transform"][:2, :2]
+    assert np.degrees(np.arctan2(turned[0, 1], turned[0, 0])) == pytest.approx(12.0, abs=2.0)
+    assert np.sqrt(np.linalg.det(turned)) == pytest.approx(1 / 1.1, abs=0.03)
+    assert arrays["registrations/0000/is_used"]
+    found = model_animal.read_heights(tmp_path / "a.h5", {image.name: image for image in animal.images})
+    alone = lift_all(animal.images, animal.tree, params.inflation)
+    assert not np.array_equal(found["left", 0], alone["left", 0].picture)
+    inside = alone["front", 0].mask
+    assert np.array_equal(found["front", 0][inside], alone["front", 0].picture[inside])
