@@ -17,7 +17,8 @@ CHANGES = (  # of the viewer's script: it turns about the pivot; surfaces are no
     ("centerControls(scene,camera,controls);render();", "controls.target.set(0,0,0);render();"),
     (
         "scene.add(gltf.scene);",
-        "scene.add(new THREE.AmbientLight(0xffffff,0.35));scene.add(gltf.scene);gltf.scene.traverse(o=>{if(o.isMesh){o.material.metalness=0;o.material.side=2;}});",
+        "scene.add(new THREE.AmbientLight(0xffffff,0.35));scene.add(gltf.scene);"
+        "gltf.scene.traverse(o=>{if(o.isMesh){o.material.metalness=0;o.material.side=2;}});",
     ),
 )
 HINT = "Drag to turn, wheel to come nearer, right button to move."

@@ -128,7 +128,7 @@ def test_benchmarks_of_all_chapters_are_run_and_quick_if_asked(tmp_path):
         plan = make(tmp_path, "-n", *quick, "benchmarks", "RECORDING=walk")
         run = [line for line in plan.splitlines() if "-m benchmarks." in line]
         assert [line.split("-m benchmarks.")[1].split()[0] for line in run] == [
-            *("fusion.solver", "fusion.baselines", "fusion.scaling"),
+            *("fusion.solver", "fusion.baselines", "fusion.scaling", "fusion.memory"),
             *("mocap.gibbs", "mocap.speed", "mocap.peers"),
             *("gaze.paths", "saliency.speed", "brdf.speed"),
         ]
