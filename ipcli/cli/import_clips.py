@@ -21,6 +21,7 @@ def main(source: Path, output: Path, params: ImportClips, run: Run) -> None:
 
     SOURCE is a motion file, a folder or a tar archive of them (labelled by manifest.csv, by HDM05 names, or by folders
     LABEL/ACTOR/), one of the Kinect sets Florence 3D Actions and UTKinect-Action, or another clips artefact.
+    --rename "drink=swallow,answer phone=swallow" gives actions other names, for sets that take no manifest too.
     """
     from ipcli.stages.mocap import import_clips
 

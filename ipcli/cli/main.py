@@ -20,7 +20,6 @@ import click
 from ipcli import __version__
 from ipcli.errors import IpcliError, nearest
 
-HELP = ["-h", "--help"]
 INTERRUPTED = 130
 TERMINATED = 143
 
@@ -129,7 +128,9 @@ def load(name: str) -> click.Command:
     """The click command of that name."""
     from ipcli.cli import options  # which the command loads as well, but the list of commands does not need
 
-    return options.command(name)()
+    told = COMMANDS[name]
+    start = name if told.is_script else f"ipcli {name}"
+    return options.command(name, f"{start} {told.example}" if told.example else "")()
 
 
 class LazyGroup(click.Group):
@@ -155,7 +156,7 @@ class LazyGroup(click.Group):
                 formatter.write_dl([(name.ljust(widest), command.help) for name, command in section.items()])
 
 
-@click.group(cls=LazyGroup, context_settings={"help_option_names": HELP})
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="ipcli")
 def group() -> None:
     """Vision by regularisation and Bayesian inference. 'ipcli COMMAND --help' tells about a command."""

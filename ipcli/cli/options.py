@@ -31,6 +31,7 @@ from ipcli.progress import Progress
 
 LINE_EVERY = 30.0  # seconds between lines of progress when stderr is no terminal
 BAR = 40  # columns
+HELP = ["-h", "--help"]  # in every command
 
 
 def _set_level(ctx: click.Context, option: click.Parameter, value: int | bool) -> int | bool:
@@ -198,20 +199,13 @@ def first_word(**words: Callable[[], click.Command]) -> type[click.Command]:
     return FirstWord
 
 
-def command(name: str) -> Callable[[], click.Command]:
-    """What loads the command of that name when it is asked for."""
+def command(name: str, example: str = "") -> Callable[[], click.Command]:
+    """What loads the command of that name when it is asked for; its help ends with the example."""
 
     def load() -> click.Command:
-        from ipcli.cli.main import COMMANDS, HELP
-
         found = import_module(f"ipcli.cli.{name.replace('-', '_')}").main
-        told = COMMANDS[name]
         found.context_settings = {**found.context_settings, "help_option_names": HELP}
-        start = name if told.is_script else f"ipcli {name}"
-        parts = [
-            f"\b\nExample:\n  {start} {told.example}" if told.example else None,
-            found.callback.__dict__.get("epilog"),
-        ]
+        parts = [f"\b\nExample:\n  {example}" if example else None, getattr(found.callback, "epilog", None)]
         found.epilog = "\n\n".join(filter(None, parts)) or None
         return found
 

@@ -207,7 +207,7 @@ def endless():
         print("x" * 1000, flush=True)
         time.sleep(0.01)
 sys.modules["ipcli.cli.endless"] = types.SimpleNamespace(main=endless)
-cli.COMMANDS["endless"] = main.Command("")
+main.COMMANDS["endless"] = main.Command("")
 sys.exit(main.main(["endless"]))
 """
 

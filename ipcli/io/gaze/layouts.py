@@ -12,7 +12,7 @@ from ipcli.measurements.recording import HeadRecording
 LAYOUTS: dict[str, Layout[HeadRecording]] = {
     "recording": Layout(artefact.is_recording, artefact.read_recording, "an HDF5 recording artefact"),
     "euroc": Layout(euroc.is_euroc, euroc.open_euroc, "mav0/cam0/sensor.yaml or cam0_sensor.yaml"),
-    "kitti": Layout(kitti.is_kitti, kitti.open_kitti, "image_0/, image_1/ and calib.txt"),
+    "kitti": Layout(kitti.is_kitti, kitti.open_kitti, "image_0/, image_1/ (or image_l/, image_r/) and calib.txt"),
     "aria": Layout(aria.is_aria, aria.open_aria, "an export of Project Aria: calib.json and slam-front-*_NS.png"),
     "vrs": Layout(aria.is_vrs, aria.open_vrs, "a .vrs file, to be exported first"),
     "boofcv": Layout(boof.is_boof, boof.open_boof, "left/, right/ and stereo_params.xml"),

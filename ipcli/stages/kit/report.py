@@ -11,7 +11,7 @@ import os
 from pathlib import Path
 
 from ipcli import report
-from ipcli.errors import FormatError, IpcliError, OutputExists, OutputRefused, ParameterError
+from ipcli.errors import FormatError, OutputExists, OutputRefused, ParameterError
 from ipcli.io.files import atomic, h5, seal
 from ipcli.params import Run
 from ipcli.report.kit.page import with_turning_page
@@ -58,7 +58,7 @@ def render(source: Path, params: Report) -> str:
     artefact = h5.read(source, kind, only=report.needed(kind))
     try:
         return draw(artefact.arrays, artefact.provenance, widest=params.width)
-    except IpcliError:
+    except FormatError:
         raise
     except Exception as error:  # each field is sound for itself; the page met what does not go together
         got = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"

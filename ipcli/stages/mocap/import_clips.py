@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,11 +35,11 @@ def run(
 
     def build() -> dict[str, np.ndarray]:
         clips = open_source(source, params.source)
-        names = _chosen(clips, params.labels)
+        names, renamed = _chosen(clips, params.labels), new_names(clips.labels, params.rename)
         read = []
         for count, name in enumerate(names, start=1):
             clip = clips.load(name)
-            clip = _on_one_skeleton(clip, clips)
+            clip = _renamed(_on_one_skeleton(clip, clips), renamed)
             read.append(resample_clip(clip, params.rate) if params.rate else clip)
             progress(count / len(names), name)
         if not read:
@@ -58,6 +59,27 @@ def _chosen(clips: Clips, labels: str | None) -> tuple[str, ...]:
     known = tuple(dict.fromkeys(clips.labels))
     wanted = {known[position(known, label.strip(), "action")] for label in labels.split(",")}
     return tuple(name for name, label in zip(clips.names, clips.labels, strict=True) if label in wanted)
+
+
+def new_names(labels: Sequence[str], rename: str | None) -> dict[str, str]:
+    """The new name of each action that gets one. Raises ParameterError for a pair that is none, and an action that is
+    not there.
+    """
+    known = tuple(dict.fromkeys(labels))
+    found = {}
+    for pair in rename.split(",") if rename else ():
+        old, sign, new = (part.strip() for part in pair.partition("="))
+        if not (old and sign and new):
+            raise ParameterError(f"--rename {pair.strip()}: expected OLD=NEW, such as 'answer phone=drink'")
+        found[known[position(known, old, "action")]] = new
+    return found
+
+
+def _renamed(clip: Clip, names: Mapping[str, str]) -> Clip:
+    """The clip with the new name of its action, of its frames too."""
+    own = clip.frame_labels
+    frames = None if own is None else np.array([names.get(str(label), str(label)) for label in own], np.str_)
+    return replace(clip, label=names.get(clip.label, clip.label), frame_labels=frames)
 
 
 def _on_one_skeleton(clip: Clip, clips: Clips) -> Clip:

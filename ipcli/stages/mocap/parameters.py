@@ -43,7 +43,10 @@ class ImportClips:
     """Which clips to import, and at what rate."""
 
     rate: float | None = option(None, "Rate to bring all clips to.", flag="--rate", low=1.0, high=1000.0, unit="Hz")
-    labels: str | None = option(None, "Actions to take, with commas.", flag="--labels")
+    labels: str | None = option(None, "Actions to take, with commas, by their names in the source.", flag="--labels")
+    rename: str | None = option(
+        None, "Other names of actions: OLD=NEW with commas; one NEW for several joins them.", flag="--rename"
+    )
     source: ClipSource = field(default_factory=ClipSource)
 
 

@@ -174,3 +174,18 @@ def test_kinect_sets_have_the_published_counts_upright_people_and_actors_on_one_
         }
         assert all(len(side) == 1 for side in sides.values())
         assert set(row) == {1, 2}
+
+
+def test_actions_get_other_names_and_are_joined(folder, tmp_path):
+    made(folder, tmp_path / "x.clips.h5", rename="wave=greet, kick=greet")
+    assert set(open_clips(tmp_path / "x.clips.h5").labels) == {"greet"}
+    made(folder, tmp_path / "y.clips.h5", rename="wave=bye bye")
+    assert sorted(set(open_clips(tmp_path / "y.clips.h5").labels)) == ["bye bye", "kick"]
+
+
+@pytest.mark.parametrize(
+    ("rename", "said"), [("wave", "--rename wave: expected OLD=NEW"), ("wav=x", "no action 'wav'.*did you mean 'wave'")]
+)
+def test_a_name_that_is_not_there_or_no_pair_is_wrong_usage(folder, tmp_path, rename, said):
+    with pytest.raises(ParameterError, match=said):
+        made(folder, tmp_path / "x.clips.h5", rename=rename)
