@@ -25,4 +25,4 @@ def main(files: tuple[Path, ...], output: Path, params: CompareFusion, run: Run)
     from ipcli.stages.fusion import compare
 
     compare.run(files, output, params, run)
-    options.conclude(output, run)
+    options.conclude(compare.summary(output), run, with_figures=True)

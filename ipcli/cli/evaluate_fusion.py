@@ -27,4 +27,4 @@ def main(views: Path, output: Path, tuning: Path | None, params: EvaluateFusion,
 
     with options.progress("evaluate-fusion", run) as tell:
         evaluate_fusion.run(views, output, params, run, tuning, tell)
-    options.conclude(output, run)
+    options.conclude(evaluate_fusion.summary(output), run, with_figures=True)

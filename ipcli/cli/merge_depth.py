@@ -24,4 +24,4 @@ def main(files: tuple[Path, ...], output: Path, params: MergeDepth, run: Run) ->
     from ipcli.stages.fusion import merge_depth
 
     merge_depth.run(files, output, params, run)
-    options.conclude(output, run)
+    options.conclude(merge_depth.summary(output), run, with_figures=True)

@@ -28,6 +28,7 @@ import click
 
 from ipcli.params import Leaf, Run, expected, find_config, leaves, resolve, shape
 from ipcli.progress import Progress
+from ipcli.stages.kit.summary import Figure
 
 LINE_EVERY = 30.0  # seconds between lines of progress when stderr is no terminal
 BAR = 40  # columns
@@ -277,6 +278,8 @@ def _told(value: Any) -> str:
 
 def _jsonable(value: Any) -> Any:
     """Plain JSON: paths as text, numbers of numpy as Python's, NaN and infinity as null."""
+    if isinstance(value, Figure):
+        return _jsonable(value.value)
     if isinstance(value, Mapping):
         return {str(key): _jsonable(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

@@ -52,6 +52,7 @@ def test_the_path_is_printed_first_with_the_figures_below_and_a_second_run_is_up
         "x.fused.ply",
         "x.fused.html",
         "x.fused.run.json",
+        "x.fused.turn.html",
     }
     code, out, err = tell(source)
     assert code == 0

@@ -119,3 +119,13 @@ def test_text_is_the_output_or_each_fact(capsys):
     options.conclude({"output": Path("a.h5"), "rmse": 1.0}, Run())
     options.conclude({"rmse": 1.0, "views": 3}, Run())
     assert capsys.readouterr().out == "a.h5\nrmse: 1.0\nviews: 3\n"
+
+
+def test_a_figure_is_text_on_the_console_and_a_number_in_json(capsys):
+    from ipcli.stages.kit.summary import Figure
+
+    facts = {"output": "x.h5", "observed": Figure(0.25, "25 % of the pixels")}
+    options.conclude(facts, Run(), with_figures=True)
+    assert capsys.readouterr().out == "x.h5\nobserved: 25 % of the pixels\n"
+    options.conclude(facts, Run(json=True), with_figures=True)
+    assert json.loads(capsys.readouterr().out) == {"output": "x.h5", "observed": 0.25}

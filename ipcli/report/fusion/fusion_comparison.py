@@ -60,7 +60,7 @@ def _by_scene(scenes: list[str], methods: list[str], columns: list[str], values:
             if np.isfinite(values[:, m, c]).any()
         ]
         if len(scenes) > 1 and lines:
-            parts.append(curves.plot(lines, column, "scene", column))
+            parts.append(curves.plot(lines, column, "scene", column, x_names=scenes))
         rows = list(zip(scenes, *(aligned(values[:, m, c]) for m in range(len(methods))), strict=True))
         parts.append(details(column, table(("scene", *methods), rows)))
     return section("Scene by scene", *parts, lead="Scenes in the order of the files.")

@@ -12,6 +12,8 @@ from ipcli.report.kit.numbers import log_ticks, number, power_of_ten, ticks
 from ipcli.report.kit.page import Markup, element
 
 LEFT, RIGHT, TOP, BOTTOM = 58, 14, 46, 42  # pixels around the plotting area
+NAME_WIDTH, NAME_LETTERS = 84, 13  # pixels that a name on the axis may take, and letters
+COLOURS = 6  # after which they come again, the lines dotted
 LEGEND_LETTER = 6.4  # pixels an average letter of the legend is wide
 
 
@@ -63,8 +65,11 @@ def plot(
     from_zero: bool = False,
     width: int = 560,
     height: int = 300,
+    x_names: Sequence[str] = (),
 ) -> Markup:
-    """A plot of lines with ticks, labels and a legend. A point without a place on the axes breaks its line."""
+    """A plot of lines with ticks, labels and a legend. A point without a place on the axes breaks its line. `x_names`
+    stand at 1, 2, 3, ... in place of the numbers.
+    """
     rings = np.array([line.ring for line in series if line.ring]).reshape(-1, 2)
     x = _axis([*(line.x for line in series), rings[:, 0]], x_label, log_x, False, width - LEFT - RIGHT, rounded=False)
     y = _axis(
@@ -72,7 +77,7 @@ def plot(
     )
     area = element(
         "g",
-        *_grid(x, y),
+        *_grid(x, y, x_names),
         *(_line(line, index, x, y) for index, line in enumerate(series)),
         transform=f"translate({LEFT} {TOP})",
     )
@@ -102,13 +107,15 @@ def _half_decades(low: float, high: float) -> tuple[float, float]:
     return 10 ** (floor(2 * log10(low) + 1e-9) / 2), 10 ** (ceil(2 * log10(high) - 1e-9) / 2)
 
 
-def _grid(x: Axis, y: Axis) -> list[Markup]:
+def _grid(x: Axis, y: Axis, x_names: Sequence[str] = ()) -> list[Markup]:
     """Tick lines with their numbers, the two axis labels, and the base line."""
     parts, power = [], 0 if y.log else power_of_ten(y.ticks())
-    for value in x.ticks():
+    every = -(-len(x_names) * NAME_WIDTH // int(x.length)) or 1  # so many-th names have room
+    named = {n + 1.0: _cut(name) for n, name in enumerate(x_names) if n % every == 0}
+    for value, text in (named or {value: number(value, 6) for value in x.ticks()}).items():
         at = _short(x.position(value))
         parts += [element("path", class_="grid", d=f"M{at} 0V{y.length}")]
-        parts += [element("text", number(value, 6), class_="tick", x=at, y=y.length + 17, text_anchor="middle")]
+        parts += [element("text", text, class_="tick", x=at, y=y.length + 17, text_anchor="middle")]
     for value in y.ticks():
         at = _short(y.length - y.position(value))
         parts += [element("path", class_="grid", d=f"M0 {at}H{x.length}")]
@@ -122,6 +129,10 @@ def _grid(x: Axis, y: Axis) -> list[Markup]:
     return parts + [element("text", label, class_="label", transform=turned, text_anchor="middle")]
 
 
+def _cut(name: str) -> str:
+    return name if len(name) <= NAME_LETTERS else f"{name[: NAME_LETTERS - 1]}…"
+
+
 def _line(line: Series, index: int, x: Axis, y: Axis) -> Markup:
     points = np.stack([x.position(line.x), y.length - y.position(line.y)], axis=1)
     path, pen_down = [], False
@@ -130,16 +141,22 @@ def _line(line: Series, index: int, x: Axis, y: Axis) -> Markup:
         if drawn:
             path.append(f"{'L' if pen_down else 'M'}{_short(point[0])} {_short(point[1])}")
         pen_down = drawn
-    kind = f"line s{index % 6}" + (" dashed" if line.dashed else "")
+    kind = _kind(line, index)
     marks = [
-        element("circle", class_=f"dot s{index % 6}", cx=_short(px), cy=_short(py), r=2.6)
+        element("circle", class_=f"dot s{index % COLOURS}", cx=_short(px), cy=_short(py), r=2.6)
         for px, py in points
         if line.dots and np.isfinite(px + py)
     ]
     if line.ring:
         px, py = _short(x.position(line.ring[0])), _short(y.length - y.position(line.ring[1]))
-        marks.append(element("circle", class_=f"line s{index % 6}", cx=px, cy=py, r=6))
+        marks.append(element("circle", class_=f"line s{index % COLOURS}", cx=px, cy=py, r=6))
     return element("g", element("path", class_=kind, d="".join(path)), *marks)
+
+
+def _kind(line: Series, index: int) -> str:
+    """The classes of a line: colours come again after the sixth, but then the lines are dotted, then dash-dotted."""
+    again = ("", " again", " third")[min(index // COLOURS, 2)]
+    return f"line s{index % COLOURS}" + (" dashed" if line.dashed else again)
 
 
 def _legend(series: Sequence[Series], width: float) -> Markup:
@@ -150,7 +167,7 @@ def _legend(series: Sequence[Series], width: float) -> Markup:
     for index, (line, length) in enumerate(zip(series, lengths, strict=True)):
         if at > LEFT and at + length - 18 > width:
             at, y = float(LEFT), y + 13
-        kind = f"line s{index % 6}" + (" dashed" if line.dashed else "")
+        kind = _kind(line, index)
         parts += [element("path", class_=kind, d=f"M{_short(at)} {y}h18")]
         parts += [element("text", line.name, class_="tick", x=_short(at + 24), y=y, dy="0.35em")]
         at += length

@@ -66,6 +66,8 @@ h3{margin:22px 0 0;font-size:15px;font-weight:650}
 .grid{stroke:var(--line);stroke-width:1;fill:none}.base{stroke:var(--soft);stroke-width:1;fill:none}
 .line{fill:none;stroke-width:1.9;stroke-linejoin:round;stroke-linecap:round}
 .dashed{stroke-dasharray:5 4;stroke-width:1.5}
+.again{stroke-dasharray:1.5 3}
+.third{stroke-dasharray:8 3 1.5 3}
 .line.s0{stroke:var(--s0)}.line.s1{stroke:var(--s1)}.line.s2{stroke:var(--s2)}.line.s3{stroke:var(--s3)}.line.s4{stroke:var(--s4)}
 .line.s5{stroke:var(--s5)}
 .dot.s0{fill:var(--s0)}.dot.s1{fill:var(--s1)}.dot.s2{fill:var(--s2)}.dot.s3{fill:var(--s3)}.dot.s4{fill:var(--s4)}.dot.s5{fill:var(--s5)}

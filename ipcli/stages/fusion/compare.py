@@ -19,6 +19,9 @@ from ipcli.report.fusion.fusion_trials import row_names
 from ipcli.stages.fusion.parameters import CompareFusion
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.summary import Figure, of_result
+
+BEST_BY = ("RMSE", "N-MAE rad")
 
 
 def run(files: Sequence[Path], output: Path, params: CompareFusion, run: Run) -> Outcome:
@@ -34,6 +37,28 @@ def run(files: Sequence[Path], output: Path, params: CompareFusion, run: Run) ->
     }
     job = Job(output, "fusion-comparison", "compare", params, tuple(files), beside)
     return make(job, lambda: comparison_arrays(files), run)
+
+
+@of_result
+def summary(output: Path) -> dict[str, Any]:
+    """How many scenes there are, and the methods whose mean over them is least by RMSE and by N-MAE."""
+    found = h5.read(output, "fusion-comparison").arrays
+    methods, columns = ([str(name) for name in found[field]] for field in ("methods", "columns"))
+    return {"scenes": len(found["scenes"])} | best_methods(methods, columns, found["values"].mean(axis=0))
+
+
+def best_methods(methods: Sequence[str], columns: Sequence[str], values: np.ndarray) -> dict[str, Figure]:
+    """The method with the least of each of BEST_BY, of values (m, c); none of a measure that no method has."""
+    found = {}
+    for name in BEST_BY:
+        column = values[:, columns.index(name)] if name in columns else np.full(len(methods), np.nan)
+        if np.isfinite(column).any():
+            m = int(np.nanargmin(column))
+            value = {"method": methods[m], "value": float(column[m])}
+            found[f"best_by_{name.split()[0].lower().replace('-', '_')}"] = Figure(
+                value, f"{methods[m]}, {column[m]:.4g}"
+            )
+    return found
 
 
 def comparison_arrays(files: Sequence[Path]) -> dict[str, np.ndarray]:

@@ -6,20 +6,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ipcli.errors import ParameterError
+from ipcli.io.files import h5
 from ipcli.models.fusion.assessment import AREAS, CURVES, sparsification
 from ipcli.models.fusion.parameters import parse_variants, select_variants
 from ipcli.models.fusion.scenes import INITIAL, Scene, run_trials
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
+from ipcli.stages.fusion.compare import best_methods
 from ipcli.stages.fusion.parameters import EvaluateFusion
 from ipcli.stages.fusion.sources import open_scene
 from ipcli.stages.fusion.tune_fusion import read_best_lambdas
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.summary import of_result
 
 
 def run(
@@ -44,6 +48,14 @@ def run(
 
     job = Job(output, "fusion-trials", "evaluate-fusion", params, inputs, page(output, "fusion-trials"))
     return make(job, build, run)
+
+
+@of_result
+def summary(output: Path) -> dict[str, Any]:
+    """The methods that came out best by RMSE and by N-MAE."""
+    found = h5.read(output, "fusion-trials", only=lambda name: name in ("methods", "rules", "columns", "values")).arrays
+    names = [f"{method} ({rule})" for method, rule in zip(found["methods"], found["rules"], strict=True)]
+    return best_methods(names, [str(name) for name in found["columns"]], found["values"])
 
 
 def trial_arrays(

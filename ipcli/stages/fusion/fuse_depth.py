@@ -35,7 +35,7 @@ from ipcli.stages.fusion.sources import middle, open_source, source_files
 from ipcli.stages.kit import outputs
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
 from ipcli.stages.kit.pages import page, turning_page
-from ipcli.stages.kit.summary import of_result
+from ipcli.stages.kit.summary import Figure, of_result
 
 log = logging.getLogger(__name__)
 SUMMED_UP = (
@@ -68,18 +68,23 @@ def summary(output: Path) -> dict[str, Any]:
     found = h5.read(output, "fused-depth", lambda name: name in SUMMED_UP).arrays
     history, domain = found["history"], str(found["domain"])
     unit = {"disparity": "px", "inverse depth": f"1/{found['unit']}"}.get(domain, str(found["unit"]))
+    overlap, scale = found["view_overlap"], float(found["noise_scale"])
+    observed, filled = float((found["observations"] > 0).mean()), float((found["filled"] > 0).mean())
     facts: dict[str, Any] = {
         "fused_into": str(found.get("fused_into", "")),
         "views": len(found["views"]),
-        "noise": f"{found['noise_scale']:.3g} {unit} ({domain})",
-        "overlap": f"{found['view_overlap'].min():.0%} to {found['view_overlap'].max():.0%} of the reference",
-        "observed": f"{(found['observations'] > 0).mean():.1%} of the pixels",
-        "filled": f"{(found['filled'] > 0).mean():.1%} of the pixels, where no view supports the map",
+        "noise": Figure({"scale": scale, "unit": unit, "domain": domain}, f"{scale:.3g} {unit} ({domain})"),
+        "overlap": Figure(
+            {"least": overlap.min(), "greatest": overlap.max()},
+            f"{overlap.min():.0%} to {overlap.max():.0%} of the reference",
+        ),
+        "observed": Figure(observed, f"{observed:.1%} of the pixels"),
+        "filled": Figure(filled, f"{filled:.1%} of the pixels, where no view supports the map"),
     }
     if len(history):
-        facts["relative_gap"] = f"{history[-1, 3]:.2g} at the end"
+        facts["relative_gap"] = Figure(history[-1, 3], f"{history[-1, 3]:.2g} at the end")
     if "warnings" in found:
-        facts["warnings"] = "; ".join(found["warnings"].tolist())
+        facts["warnings"] = Figure(found["warnings"].tolist(), "; ".join(found["warnings"].tolist()))
     return facts
 
 

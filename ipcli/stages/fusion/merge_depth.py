@@ -18,6 +18,7 @@ from ipcli.stages.fusion.exports import write_turnable_cloud
 from ipcli.stages.fusion.parameters import MergeDepth
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page, turning_page
+from ipcli.stages.kit.summary import Figure, of_result
 
 NEEDED = {
     "depth",
@@ -55,6 +56,21 @@ def run(files: Sequence[Path], output: Path, params: MergeDepth, run: Run) -> Ou
         return cloud_arrays(merge(maps, params.merge), inputs, unit)
 
     return make(job, build, run)
+
+
+@of_result
+def summary(output: Path) -> dict[str, Any]:
+    """The few figures a person wants of a merged cloud."""
+    counted = ("views", "spacing", "unit", "map_points", "map_confirmed")
+    found = h5.read(output.with_suffix(".h5"), "fusion-cloud", only=lambda name: name in counted).arrays
+    spacing, unit, views = float(found["spacing"]), str(found["unit"]), found["views"]
+    share = float(found["map_confirmed"].sum() / max(found["map_points"].sum(), 1))
+    return {
+        "points": len(views),
+        "spacing": Figure({"value": spacing, "unit": unit}, f"{spacing:.3g} {unit}"),
+        "confirmed": Figure(share, f"{share:.1%} of the pixels of {len(found['map_points'])} maps"),
+        "maps_a_point": Figure(float(np.median(views)) if len(views) else None, f"{np.median(views):.0f} (median)"),
+    }
 
 
 class MapsOnDemand(Sequence[FusedMap]):

@@ -13,6 +13,7 @@ from ipcli.models.fusion.scenes import Scene
 from ipcli.params import as_dict
 from ipcli.stages.fusion.parameters import ViewSource
 
+MOST_NAMED = 5  # views in a message
 log = logging.getLogger(__name__)
 
 
@@ -47,8 +48,9 @@ def open_scene(path: Path, reference: str | None, domain: str) -> Scene:
         raise ParameterError(f"{path}: no view '{name}'{nearest(name, views)}")
     truth = views[name].truth
     if truth is None:
-        raise FormatError(
-            path, f"the true depth of view '{name}' is not known", fix="Give views whose reference has a truth"
-        )
+        known = [other for other, view in views.items() if view.truth is not None]
+        more = f" and {len(known) - MOST_NAMED} more" if len(known) > MOST_NAMED else ""
+        fix = f"Give --reference {', '.join(known[:MOST_NAMED])}{more}" if known else "No view here has a truth"
+        raise FormatError(path, f"the true depth of view '{name}' is not known", fix=fix)
     inverse = (source.measured if domain == "auto" else domain) == "disparity"
     return Scene(list(views.values()), views[name], truth, inverse, source.baseline_focal, source.unit)

@@ -3,9 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
 from typing import Any
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure as --json has it, numbers or names, and as a person reads it on the console."""
+
+    value: Any
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
 
 
 def of_result(figures: Callable[[Path], Mapping[str, Any]]) -> Callable[[Path], dict[str, Any]]:

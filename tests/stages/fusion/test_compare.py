@@ -71,3 +71,13 @@ def test_two_figures_for_one_cell_are_refused(files, tmp_path):
     other.write_bytes(files[3].read_bytes())  # scene b under the name of scene a
     with pytest.raises(ParameterError, match="other figures"):
         compare.run([files[1], other], tmp_path / "t.h5", CompareFusion(), Run())
+
+
+def test_the_best_methods_are_named_with_their_figures():
+    from ipcli.stages.fusion.compare import best_methods
+
+    values = np.array([[2.0, 0.5], [1.0, np.nan], [np.nan, 0.25]])
+    found = best_methods(["a", "b", "c"], ["RMSE", "N-MAE rad"], values)
+    assert found["best_by_rmse"].value == {"method": "b", "value": 1.0}
+    assert found["best_by_n_mae"].value == {"method": "c", "value": 0.25}
+    assert best_methods(["a"], ["out-3 %"], values[:1, :1]) == {}

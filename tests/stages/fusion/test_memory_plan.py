@@ -47,7 +47,7 @@ def test_a_dry_run_says_what_it_takes_and_why_it_goes_in_tiles(source, tmp_path,
     assert run(source, tmp_path / "x.fused.h5", dry_run=True) is Outcome.WOULD_RUN
     (said,) = [record.getMessage() for record in caplog.records if "Mpx" in record.getMessage()]
     assert "0.0333 Mpx of 3 views, in tiles of 64 px: about 9" in said
-    assert "MB of the 94 MB of --max-memory, since it would take 9" in said
+    assert "MB of the 94 MB of --max-memory, since it would take 100 MB at once" in said
 
 
 def test_the_artefact_says_in_which_tiles_it_was_made_and_they_give_it_bit_for_bit(

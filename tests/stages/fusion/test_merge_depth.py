@@ -116,7 +116,9 @@ def test_the_command_line(files, tmp_path, capsys):
     assert main(["merge-depth", *given[:2], "-o", output]) == 3
     assert "lower --agree" in capsys.readouterr().err
     assert main(["merge-depth", *given, "-o", output, "--spacing", "0.05"]) == 0
-    assert capsys.readouterr().out == f"{output}\n"
+    path, *figures = capsys.readouterr().out.splitlines()
+    assert path == output
+    assert [figure.split(":")[0] for figure in figures] == ["points", "spacing", "confirmed", "maps a point"]
     assert main(["report", str(tmp_path / "x.h5"), "-o", str(tmp_path / "again.html")]) == 0
     page = (tmp_path / "again.html").read_text(encoding="utf-8")
     assert page.startswith((tmp_path / "x.html").read_text(encoding="utf-8"))  # and its seal
