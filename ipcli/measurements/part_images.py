@@ -76,6 +76,15 @@ class PartImage:
         return self.aspects is None or part in self.aspects
 
 
+@dataclass(frozen=True, eq=False)
+class PartMatches:
+    """Points (n, 2, 2) of one part that two images both show, as (column, row) in the first and in the second."""
+
+    part: int
+    images: tuple[str, str]
+    points: np.ndarray
+
+
 def pixels_of(mask: np.ndarray) -> np.ndarray:
     """The pixels (m, 2) float64 of a mask as (column, row), row by row."""
     return np.argwhere(mask)[:, ::-1].astype(np.float64)

@@ -18,6 +18,22 @@ TREE = (
     ),
 )
 
+REGISTERED = (
+    Field("registrations/*/part", "int16", (), "", "Part whose aspects in two images were registered", optional=True,
+          refers=Ref("parts")),
+    Field("registrations/*/images", "str", (2,), "", "Names of the first and the second image", optional=True),
+    Field("registrations/*/transform", "float64", (4, 4), "px", "first_from_second of (column, row, depth)",
+          optional=True, domain=FINITE),
+    Field("registrations/*/residual", "float64", (), "1", "What is left of the heights of both", optional=True,
+          domain=Domain("0 or above", 0.0)),
+    Field("registrations/*/is_used", "bool", (), "", "Whether the two were merged", optional=True),
+    Field("registrations/*/heights", "float32", ("hr", "wr"), "px", "Heights of the first", optional=True,
+          domain=FINITE),
+    Field("registrations/*/before", "float32", ("hr", "wr"), "px", "Of the second laid over it, at the start",
+          optional=True, domain=FINITE),
+    Field("registrations/*/after", "float32", ("hr", "wr"), "px", "The same in the end", optional=True, domain=FINITE),
+)  # fmt: skip
+
 ASPECTS = Kind(
     "animal-aspects",
     1,
@@ -32,6 +48,7 @@ ASPECTS = Kind(
         Field("aspects/*/corner", "int32", (2,), "px", "Column and row of the first height in the image"),
         Field("aspects/*/area", "int64", (), "px", "Pixels in which the image shows the part"),
         Field("load", "str", (), "", "What lifted the masks"),
+        *REGISTERED,
     ),
 )
 
@@ -98,6 +115,7 @@ MODEL = Kind(
               refers=Ref("parts", none=True, base=1)),
         Field("pictures/*/picture", "uint8", ("h", "w", 3), "", "RGB", optional=True),
         Field("warnings", "str", ("q",), "", "What is odd about the masks"),
+        *REGISTERED,
     ),
     together=(
         ("bodies/*/part", "bodies/*/vertices", "bodies/*/faces"),

@@ -19,6 +19,11 @@ view = "left"                   # left right front back top bottom; leave it out
 # aspects = ["head"]            # parts that take their shape from here; all if not given
 # rename = { lfleg = "leg" }    # names in the masks -> names of parts; "" drops a part
 # object = 0                    # number of the object in a PASCAL-Part file
+
+[[matches]]                     # optional: points of one part that two images show, four or more
+part = "head"
+images = ["left", "other"]      # names of images: those of their masks, without the ending
+points = [[52, 31, 60, 28]]     # column and row in the first, column and row in the second
 """
 
 from __future__ import annotations
@@ -35,13 +40,15 @@ from ipcli.geometry.orthographic import NAMED
 from ipcli.inputs import read_toml
 from ipcli.io.files import images
 from ipcli.io.parts import masks
-from ipcli.measurements.part_images import NONE, PartImage, PartTree
+from ipcli.measurements.part_images import NONE, PartImage, PartMatches, PartTree
 
-TOP = {"name": str, "size": (int, float), "parts": dict, "flatness": dict, "images": list}
+TOP = {"name": str, "size": (int, float), "parts": dict, "flatness": dict, "images": list, "matches": list}
 IMAGE = {
     "name": str, "masks": str, "view": str, "labels": list, "picture": str, "pose": str, "aspects": list,
     "rename": dict, "object": int,
 }  # fmt: skip
+MATCHES = {"part": str, "images": list, "points": list}
+LEAST_MATCHES = 4  # that tell a similarity in space, with one to spare
 POSES = ("reference", "other")
 
 
@@ -54,6 +61,7 @@ class Project:
     tree: PartTree
     images: tuple[PartImage, ...]
     files: tuple[Path, ...]
+    matches: tuple[PartMatches, ...] = ()
 
 
 def read(path: Path) -> Project:
@@ -76,7 +84,8 @@ def read(path: Path) -> Project:
     if not 0 < size < 1e9:
         raise FormatError(path, "no size of an animal", expected="size > 0", got=size)
     files = (path, *(file for _, files in read_images for file in files))
-    return Project(content.get("name", path.stem), size, tree, pictures, tuple(dict.fromkeys(files)))
+    matches = tuple(_matches(path, entry, tree, names) for entry in content.get("matches", []))
+    return Project(content.get("name", path.stem), size, tree, pictures, tuple(dict.fromkeys(files)), matches)
 
 
 def _check_keys(path: Path, table: Mapping[str, Any], known: Mapping[str, Any], where: str) -> None:
@@ -180,3 +189,25 @@ def _aspects(path: Path, where: str, names: Any, tree: PartTree) -> tuple[int, .
         if name not in tree.names:
             raise FormatError(path, f"{where}aspects: unknown part '{name}'{nearest(str(name), tree.names)}")
     return tuple(tree.names.index(name) for name in names)
+
+
+def _matches(path: Path, entry: Any, tree: PartTree, names: list[str]) -> PartMatches:
+    where = "matches: "
+    if not isinstance(entry, dict):
+        raise FormatError(path, f"{where}not a section [[matches]]")
+    _check_keys(path, entry, MATCHES, where)
+    part, shown = entry.get("part", ""), entry.get("images", [])
+    if part not in tree.names:
+        raise FormatError(path, f"{where}unknown part '{part}'{nearest(part, tree.names)}")
+    if len(shown) != 2 or len({*shown} & {*names}) != 2:
+        raise FormatError(path, f"{where}two images of {', '.join(names)}", got=shown)
+    try:
+        points = np.array(entry.get("points", []), np.float64).reshape(-1, 4)
+    except (TypeError, ValueError):
+        points = np.zeros((0, 4))
+    if len(points) < LEAST_MATCHES or not np.isfinite(points).all():
+        raise FormatError(
+            path, f"{where}points of {part}", expected=f"{LEAST_MATCHES} or more of [column, row, column, row]",
+            got=len(points),
+        )  # fmt: skip
+    return PartMatches(tree.names.index(part), (shown[0], shown[1]), points.reshape(-1, 2, 2))

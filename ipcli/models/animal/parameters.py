@@ -9,6 +9,8 @@ from ipcli.params import option
 LOADS = ("sqrt-poisson", "steep", "printed", "constant")
 MERGES = ("hull", "clip")
 OTHER_POSES = ("bend", "ignore")
+METHODS = ("primal-dual", "irls")
+GROUPS = ("similarity", "affine")
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,14 @@ class Inflation:
     )
     triangles: int = option(1500, "About so many triangles a mask.", low=50)
     smoothing: float = option(1.0, "Deviation of the Gaussian that smooths the contour.", low=0.0, unit="pixels")
+
+
+@dataclass(frozen=True)
+class Registration:
+    """How aspects of one part that show the same side are laid over each other (6.3.2)."""
+
+    method: str = option("primal-dual", "Solver of each linear problem (6.8); both reach one optimum.", choices=METHODS)
+    group: str = option("similarity", "Transforms; affine, the thesis' own, can undo a part's shape.", choices=GROUPS)
 
 
 @dataclass(frozen=True)
@@ -56,3 +66,4 @@ class Modelling:
         flag="--other-pose",
         choices=OTHER_POSES,
     )
+    registration: Registration = field(default_factory=Registration)

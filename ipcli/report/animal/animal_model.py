@@ -40,6 +40,7 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
         _warnings(arrays["warnings"].tolist()),
         _turning(arrays, widest),
         _images(arrays, widest),
+        _registered(arrays, widest),
         _unseen(arrays, widest),
         _parts(arrays),
         origin(provenance),
@@ -98,6 +99,29 @@ def _images(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
         shown.append(figure(photograph(drawn, widest), name, note))
     lead = "The masks as they were given; black: the outlines of the model's parts, seen by the camera that was found."
     return section("Over its images", gallery(*shown, columns=max(2, min(4, len(shown)))), lead=lead)
+
+
+def _registered(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
+    """Aspects of one part laid over each other, before and after; nothing where there are none."""
+    stems = sorted(
+        name.removesuffix("/part") for name in arrays if name.startswith("registrations/") and "/part" in name
+    )
+    shown = []
+    for stem in stems:
+        one, two = arrays[f"{stem}/images"].tolist()
+        name = f"{arrays['parts'][int(arrays[f'{stem}/part'])]}: {two} over {one}"
+        left = percent(float(arrays[f"{stem}/residual"]))
+        fate = f"{left} of the heights differ; " + ("merged" if arrays[f"{stem}/is_used"] else "too much to merge")
+        for key, note in (("before", "at the start"), ("after", fate)):
+            drawn = surfaces.two_heights(arrays[f"{stem}/heights"], arrays[f"{stem}/{key}"])
+            shown.append(figure(photograph(drawn, widest), name, note))
+    if not shown:
+        return join()
+    lead = (
+        "Images that show the same side of a part. Red: heights of the first alone, blue: of the second; grey: both "
+        "agree. Merged aspects take the mean of both."
+    )
+    return section("Aspects laid over each other", gallery(*shown, columns=4), lead=lead)
 
 
 def _unseen(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:

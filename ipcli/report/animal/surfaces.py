@@ -84,3 +84,9 @@ def borders(labels: np.ndarray) -> np.ndarray:
 def legend(names: Sequence[str]) -> list[tuple[str, str]]:
     """Name and CSS colour of each part."""
     return [(name, "#" + bytes(int(v) for v in colours_of(k)).hex()) for k, name in enumerate(names)]
+
+
+def two_heights(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Heights (h, w) of two surfaces in one picture (h, w, 3) uint8: red and blue, grey where they agree."""
+    one, two = (255 * np.clip(heights / max(first.max(), 1e-9), 0, 1) for heights in (first, second))
+    return np.stack([one, np.minimum(one, two), two], axis=-1).astype(np.uint8)

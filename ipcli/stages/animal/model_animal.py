@@ -24,7 +24,8 @@ from ipcli.io.parts.project import Project
 from ipcli.measurements.part_images import PartImage, oddities
 from ipcli.models.animal import whole
 from ipcli.models.animal.aspects import lift_all
-from ipcli.models.animal.parameters import Inflation, Modelling, Volume
+from ipcli.models.animal.merging import Overlay, alike, merged
+from ipcli.models.animal.parameters import Inflation, Modelling, Registration, Volume
 from ipcli.models.animal.placing import placed
 from ipcli.models.animal.reposed import reposed, tells_shape
 from ipcli.params import Run
@@ -37,6 +38,7 @@ from ipcli.stages.kit.artefact import Job, Outcome, make
 log = logging.getLogger(__name__)
 
 Arrays = dict[str, np.ndarray]
+REGISTRATIONS = "registrations/"
 LEAST_OVERLAP = 0.6  # of a bent model with the images, below which it deserves a look
 CLIP = 8.0  # voxels beyond which fields are not kept
 
@@ -46,6 +48,8 @@ class Lifting:
     """Parameters of the first step."""
 
     inflation: Inflation
+    registration: Registration
+    other_pose: str
 
 
 @dataclass(frozen=True)
@@ -71,10 +75,12 @@ def run(source: Path, output: Path, params: ModelAnimal, run: Run, progress: Pro
         log.warning("%s: one view alone: the depth, and all that it does not show, is a guess", source.name)
     steps = artefact.with_suffix(".steps")
     aspects, components = steps / "aspects.h5", steps / "components.h5"
-    job = Job(artefact, "animal-model", "model-animal", params, (*animal.files, components), beside)
+    job = Job(artefact, "animal-model", "model-animal", params, (*animal.files, aspects, components), beside)
     outputs.check_names(artefact, (*beside, outputs.run_record_path(artefact)), animal.files)
     job.standing()  # refuses a name that is taken before any step is run
-    done = _make(Job(aspects, "animal-aspects", "model-animal", Lifting(params.modelling.inflation), animal.files),
+    modelling = params.modelling
+    lifting = Lifting(modelling.inflation, modelling.registration, modelling.other_pose)
+    done = _make(Job(aspects, "animal-aspects", "model-animal", lifting, animal.files),
                  partial(aspects_artefact, animal, params.modelling, portion(progress, 0.0, 0.3)), run)  # fmt: skip
     if params.stop_after == "aspects":
         return aspects, done
@@ -84,7 +90,7 @@ def run(source: Path, output: Path, params: ModelAnimal, run: Run, progress: Pro
                  run)  # fmt: skip
     if params.stop_after == "components":
         return components, done
-    build = partial(model_artefact, animal, components, params.modelling, portion(progress, 0.7, 1.0))
+    build = partial(model_artefact, animal, aspects, components, params.modelling, portion(progress, 0.7, 1.0))
     return artefact, _make(job, build, run)
 
 
@@ -101,7 +107,11 @@ def _tree(animal: Project) -> Arrays:
 def aspects_artefact(animal: Project, params: Modelling, tell: Progress) -> Arrays:
     """The arrays of `animal-aspects`."""
     arrays = _tree(animal) | {"load": np.array(params.inflation.load)}
-    lifted = lift_all(animal.images, animal.tree, params.inflation, tell)
+    lifted = lift_all(animal.images, animal.tree, params.inflation, portion(tell, 0.0, 0.6))
+    pairs = alike(animal.images, lifted, animal.matches, params.other_pose)
+    lifted, overlays = merged(lifted, pairs, animal.matches, params.registration, portion(tell, 0.6, 1.0))
+    for number, overlay in enumerate(overlays):
+        arrays |= _registration(f"{REGISTRATIONS}{number:04d}", overlay)
     areas = {image.name: image for image in animal.images}
     for number, ((name, part), aspect) in enumerate(lifted.items()):
         rows, columns = np.nonzero(aspect.mask)
@@ -117,11 +127,24 @@ def aspects_artefact(animal: Project, params: Modelling, tell: Progress) -> Arra
     return arrays
 
 
+def _registration(stem: str, overlay: Overlay) -> Arrays:
+    return {
+        f"{stem}/part": np.array(overlay.part, np.int16),
+        f"{stem}/images": np.array(overlay.images),
+        f"{stem}/transform": overlay.transform,
+        f"{stem}/residual": np.array(overlay.residual),
+        f"{stem}/is_used": np.array(overlay.is_used),
+        f"{stem}/heights": overlay.heights.astype(np.float32),
+        f"{stem}/before": overlay.before.astype(np.float32),
+        f"{stem}/after": overlay.after.astype(np.float32),
+    }
+
+
 def read_heights(path: Path, images: Mapping[str, PartImage]) -> dict[tuple[str, int], np.ndarray]:
     """Half thickness (h, w) in pixels by image and part, from an `animal-aspects` artefact."""
     arrays = h5.read(path, "animal-aspects").arrays
     heights = {}
-    for key in (name for name in arrays if name.endswith("/heights")):
+    for key in (name for name in arrays if name.startswith("aspects/") and name.endswith("/heights")):
         stem = key.removesuffix("/heights")
         name, own = str(arrays[f"{stem}/image"]), arrays[key]
         left, top = arrays[f"{stem}/corner"]
@@ -142,9 +165,12 @@ def components_artefact(animal: Project, aspects: Path, params: Modelling, tell:
     others = [image for image in animal.images if not image.is_reference]
     bent: Arrays = {}
     if others and params.other_pose == "bend" and not tells_shape(others):
-        log.warning(
-            '%s: pose = "other" gives shape only with names of views along two lines, left and top say', animal.name
-        )
+        if not any(name.startswith(REGISTRATIONS) for name in h5.read(aspects, "animal-aspects").arrays):
+            log.warning(
+                '%s: pose = "other" gives shape only with names of views along two lines, left and top say, or with a '
+                "view that the reference pose has too",
+                animal.name,
+            )
     elif others and params.other_pose == "bend":
         fields, overlap = reposed(others, shots, grid, fields, animal.tree, heights, params, portion(tell, 0.4, 1.0))
         if overlap < LEAST_OVERLAP:
@@ -174,7 +200,7 @@ def _cameras(images: list[PartImage], cameras: list[Orthographic]) -> Arrays:
     }
 
 
-def model_artefact(animal: Project, components: Path, params: Modelling, tell: Progress) -> Arrays:
+def model_artefact(animal: Project, aspects: Path, components: Path, params: Modelling, tell: Progress) -> Arrays:
     """The arrays of `animal-model`, its longest side as long as the project says."""
     images = [image for image in animal.images if image.is_reference]
     arrays = h5.read(components, "animal-components").arrays
@@ -207,7 +233,13 @@ def model_artefact(animal: Project, components: Path, params: Modelling, tell: P
         | shown
         | bodies
         | pictures
+        | _registrations(aspects)
     )
+
+
+def _registrations(aspects: Path) -> Arrays:
+    arrays = h5.read(aspects, "animal-aspects").arrays
+    return {name: values for name, values in arrays.items() if name.startswith(REGISTRATIONS)}
 
 
 def _looked_at(

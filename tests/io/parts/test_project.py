@@ -83,3 +83,20 @@ def test_all_unknown_parts_are_named_at_once(tmp_path):
     with pytest.raises(FormatError, match="unknown parts 'horn', 'hoof'") as told:
         project.read(path)
     assert '"horn" = "PART", "hoof" = "PART"' in str(told.value)
+
+
+MATCHES = (
+    '[[matches]]\npart = "head"\nimages = ["a", "b"]\n'
+    "points = [[1, 2, 3, 4], [5, 6, 7, 8], [9, 8, 7, 6], [1, 1, 1, 1]]\n"
+)
+
+
+def test_matches_of_two_images(tmp_path):
+    two = PARTS + IMAGE + IMAGE.replace('view = "left"', 'name = "b"')
+    (found,) = project.read(written(tmp_path, two + MATCHES)).matches
+    assert (found.part, found.images) == (1, ("a", "b"))
+    assert found.points[1].tolist() == [[5, 6], [7, 8]]
+    for old, new, words in (('"head"', '"haed"', "did you mean 'head'"), ('"b"]', '"c"]', "two images of a, b"),
+                            (", [1, 1, 1, 1]", "", "4 or more")):  # fmt: skip
+        with pytest.raises(FormatError, match=words):
+            project.read(written(tmp_path, two + MATCHES.replace(old, new)))

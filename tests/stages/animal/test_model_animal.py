@@ -40,3 +40,21 @@ def test_one_view_alone_is_said_to_guess_the_depth(tmp_path, caplog, views, coun
     with suppress(IpcliError):  # the steps themselves are not wanted
         model_animal.run(path, tmp_path / "x.glb", ModelAnimal(), Run(dry_run=True))
     assert sum("one view alone: the depth" in record.message for record in caplog.records) == count
+
+
+def test_another_image_of_the_same_side_is_registered_and_merged(tmp_path):
+    source = limbs.add_same_side(limbs.write_project(tmp_path, ("left", "front"), longest=60))
+    animal = project.read(source)
+    params = Modelling(Inflation(triangles=100))
+    arrays = model_animal.aspects_artefact(animal, params, lambda share, what: None)
+    h5.write(tmp_path / "a.h5", "animal-aspects", arrays, {})
+    assert arrays["registrations/0000/images"].tolist() == ["left", "again"]
+    turned = arrays["registrations/0000/transform"][:2, :2]
+    assert np.degrees(np.arctan2(turned[0, 1], turned[0, 0])) == pytest.approx(12.0, abs=2.0)
+    assert np.sqrt(np.linalg.det(turned)) == pytest.approx(1 / 1.1, abs=0.03)
+    assert arrays["registrations/0000/is_used"]
+    found = model_animal.read_heights(tmp_path / "a.h5", {image.name: image for image in animal.images})
+    alone = lift_all(animal.images, animal.tree, params.inflation)
+    assert not np.array_equal(found["left", 0], alone["left", 0].picture)
+    inside = alone["front", 0].mask
+    assert np.array_equal(found["front", 0][inside], alone["front", 0].picture[inside])
