@@ -96,30 +96,73 @@ def seen_by(images: Sequence[PartImage], part: int) -> list[int]:
 
 
 LEAST_PIXELS = 60  # of a mask that tells a shape
+LEAST_HOLE = 5  # pixels; a smaller one is a flaw of the mask, and closed when it is lifted
+FEW, BLOBS, HOLE, BORDER, MISSING = (
+    "too few pixels to tell a shape",
+    "several blobs, of which only the largest gives shape",
+    "a hole through which the background shows",
+    "cut by the border of the image",
+    "no image of the reference pose shows it",
+)
 
 
-def oddities(images: Sequence[PartImage], tree: PartTree) -> list[str]:
-    """What is odd about masks and may spoil the model, a sentence each: holes, several blobs, too few pixels, masks at
-    the border of their image, parts that no image of the reference pose shows.
+@dataclass(frozen=True)
+class Oddity:
+    """What is odd about one mask: its kind, where it is, in words, and whether another image makes up for it."""
+
+    kind: str
+    where: str
+    words: str
+    is_harmless: bool = False
+
+
+def oddities(images: Sequence[PartImage], tree: PartTree) -> list[Oddity]:
+    """What is odd about masks and may spoil the model: holes, several blobs, too few pixels, masks at the border of
+    their image, parts that no image of the reference pose shows.
+
+    Few pixels or several blobs do no harm where another image shows the part in one piece that tells its shape.
     """
     from scipy.ndimage import binary_fill_holes, label
 
+    shown = [(image, part) for image in images for part in range(len(tree)) if image.mask(part).any()]
+    blobs = {(image.name, part): label(image.mask(part), np.ones((3, 3)))[1] for image, part in shown}
+    whole = {
+        (image.name, part)
+        for image, part in shown
+        if blobs[image.name, part] == 1 and image.mask(part).sum() >= LEAST_PIXELS
+    }
     found = []
-    for image in images:
-        for part, name in enumerate(tree.names):
-            mask = image.mask(part)
-            if not mask.any():
-                continue
-            where, blobs = f"{name} in {image.name}", label(mask, np.ones((3, 3)))[1]
-            if mask.sum() < LEAST_PIXELS:
-                found.append(f"{where}: only {int(mask.sum())} pixels, {LEAST_PIXELS} and more tell a shape")
-            if blobs > 1:
-                found.append(f"{where}: {blobs} blobs; only the largest gives shape")
-            if (binary_fill_holes(image.silhouette) & ~image.silhouette & binary_fill_holes(mask)).any():
-                found.append(f"{where}: a hole through which the background shows")
-            if mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any():
-                found.append(f"{where}: touches the border of the image, so its outline may be cut")
-    shown = {part for image in images if image.is_reference for part in range(len(tree)) if image.mask(part).any()}
-    return found + [
-        f"{tree.names[p]}: no image of the reference pose shows it" for p in range(len(tree)) if p not in shown
-    ]
+    for image, part in shown:
+        mask, where = image.mask(part), f"{tree.names[part]} in {image.name}"
+        is_known = any(other == part and name != image.name for name, other in whole)
+        if mask.sum() < LEAST_PIXELS:
+            words = f"only {int(mask.sum())} pixels, {LEAST_PIXELS} and more tell a shape"
+            found.append(Oddity(FEW, where, words, is_known))
+        if blobs[image.name, part] > 1:
+            words = f"{blobs[image.name, part]} blobs; only the largest gives shape"
+            found.append(Oddity(BLOBS, where, words, is_known))
+        hole = binary_fill_holes(image.silhouette) & ~image.silhouette & binary_fill_holes(mask)
+        if hole.sum() >= LEAST_HOLE:
+            found.append(Oddity(HOLE, where, HOLE))
+        if mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any():
+            found.append(Oddity(BORDER, where, "touches the border of the image, so its outline may be cut"))
+    known = {part for image, part in shown if image.is_reference}
+    return found + [Oddity(MISSING, tree.names[p], MISSING) for p in range(len(tree)) if p not in known]
+
+
+def told(found: Sequence[Oddity]) -> list[str]:
+    """Every oddity in a sentence."""
+    return [f"{odd.where}: {odd.words}" for odd in found]
+
+
+def folded(found: Sequence[Oddity]) -> list[str]:
+    """Those that may do harm, a line a kind with the number and the names of the masks."""
+    lines = []
+    for kind in (FEW, BLOBS, HOLE, BORDER, MISSING):
+        same = [odd for odd in found if odd.kind == kind and not odd.is_harmless]
+        if len(same) == 1:
+            lines += told(same)
+        elif same:
+            things = "parts" if kind == MISSING else "masks"
+            lines.append(f"{len(same)} {things}: {kind}: {', '.join(odd.where for odd in same)}")
+    return lines

@@ -21,7 +21,7 @@ from ipcli.geometry.voxels import VoxelGrid
 from ipcli.io.files import h5
 from ipcli.io.parts import project
 from ipcli.io.parts.project import Project
-from ipcli.measurements.part_images import PartImage, oddities
+from ipcli.measurements.part_images import PartImage, folded, oddities, told
 from ipcli.models.animal import whole
 from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.merging import Overlay, alike, merged
@@ -69,8 +69,8 @@ def run(source: Path, output: Path, params: ModelAnimal, run: Run, progress: Pro
     artefact = output.with_suffix(".h5")
     beside = side_files(output, params, project.read(source).tree if source.is_file() else None)
     animal = project.read(source)
-    for odd in oddities(animal.images, animal.tree):
-        log.warning("%s: %s", source.name, odd)
+    for line in folded(oddities(animal.images, animal.tree)):  # the page has the harmless ones too
+        log.warning("%s: %s", source.name, line)
     if sum(image.is_reference for image in animal.images) == 1:
         log.warning("%s: one view alone: the depth, and all that it does not show, is a guess", source.name)
     steps = artefact.with_suffix(".steps")
@@ -227,7 +227,7 @@ def model_artefact(animal: Project, aspects: Path, components: Path, params: Mod
             "face_part": surface.face_part,
             "seen_by": whole.seen_by(surface, images, cameras),
             "views": np.array([image.view or "" for image in images]),
-            "warnings": np.array(oddities(animal.images, animal.tree), dtype=np.str_).reshape(-1),
+            "warnings": np.array(told(oddities(animal.images, animal.tree)), dtype=np.str_).reshape(-1),
         }
         | _cameras(images, cameras)
         | shown
