@@ -181,20 +181,19 @@ def write(
     kinds: dict[str, str],
 ) -> None:
     """CSV, JSON and the page; of each case by name its rows of figures, its group and its kind."""
-    head = "case,method,n_mae_rad,n_median_rad,z_mae_px,seconds"
+    columns = ("n_mae_rad", "n_median_rad", "z_mae_px", "seconds")
     lines = [
-        f"{name},{m},{','.join(f'{v:.6g}' for v in values)}" for name, row in rows.items() for m, values in row.items()
+        {"case": name, "kind": kinds[name], "method": method} | dict(zip(columns, values, strict=True))
+        for name, row in rows.items()
+        for method, values in row.items()
     ]
-    atomic.write_text(folder / "errors.csv", "\n".join([head, *lines]) + "\n")
-    atomic.write_text(
-        folder / "errors.json", json.dumps({"study": study, "rows": rows}, indent=1).replace("NaN", "null") + "\n"
-    )
-    columns = ("Method", "N-MAE, rad", "degrees", "Z-MAE, px", "against inflation", "worse by 2° or more")
+    write_table(folder / "errors.csv", lines, study=study)
+    heads = ("Method", "N-MAE, rad", "degrees", "Z-MAE, px", "against inflation", "worse by 2° or more")
     parts = []
     for kind in dict.fromkeys(kinds.values()):
         means = summary(study, {name: row for name, row in rows.items() if kinds[name] == kind})
         print(kind, *("  ".join(line) for line in means), sep="\n")
-        parts.append(section(kind, table(columns, means), lead=f"Bar: {BARS[study]}."))
+        parts.append(section(kind, table(heads, means), lead=f"Bar: {BARS[study]}."))
     parts += [
         section(
             "Each object",

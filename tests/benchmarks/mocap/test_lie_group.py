@@ -78,3 +78,18 @@ def test_the_pyramid_is_of_the_whole_and_of_its_halves():
     half = np.fft.fft(curve[8:], axis=0)[:2] / 8
     np.testing.assert_allclose(found[:16], np.concatenate([whole.real.ravel(), whole.imag.ravel()]), atol=1e-12)
     np.testing.assert_allclose(found[-8:], np.concatenate([half.real.ravel(), half.imag.ravel()]), atol=1e-12)
+
+
+def test_curves_of_three_kinds_are_told_apart_at_any_speed():
+    rng = np.random.default_rng(8)
+    clips, labels = [], []
+    for label, turns in (("once", 1), ("twice", 2), ("thrice", 3)):
+        for _ in range(10):
+            phase = 2 * np.pi * turns * np.linspace(0, 1, int(rng.integers(30, 60)))
+            curve = np.stack([np.sin(phase), np.cos(phase), phase / 9], axis=1)
+            clips.append(curve + 0.05 * rng.normal(size=curve.shape))
+            labels.append(label)
+    method = lie_group.WarpedPyramid(stride=1, levels=2, cost=1.0)
+    method.fit(clips[::2], np.array(labels[::2]))
+    assert method.answer(clips[1::2]).tolist() == labels[1::2]
+    assert len(method.answer([clip[:1] for clip in clips])) == len(clips)

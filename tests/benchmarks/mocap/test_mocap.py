@@ -36,10 +36,16 @@ def skip_without(name):
 
 
 SLOW = {"MiniRocket", methods.DTW}  # aeon compiles for a minute or more
+CURVES = {methods.LIE_GROUP}  # tells curves apart, not where frames lie: test_lie_group has lessons for it
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in methods.METHODS]
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name
+        for name in methods.METHODS
+        if name not in CURVES
+    ],
 )
 def test_every_method_tells_apart_what_lies_apart_whole_and_by_one_frame(name, lessons):
     skip_without(name)

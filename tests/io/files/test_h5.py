@@ -242,7 +242,7 @@ DAMAGES = {
     ),
     "circle": (lambda f: f.__setitem__("views/001/views", f["views"]), FormatError, "is a second name of"),
     "external storage": (
-        lambda f: replaced(f, "unit", shape=(), dtype="S4", external=[("other.raw", 0, 4)]),
+        lambda f: replaced(f, "unit", shape=(4,), dtype="S1", external=[("other.raw", 0, 4)]),
         FormatError,
         "unit lies in another file, which is not followed",
     ),
