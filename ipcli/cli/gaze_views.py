@@ -20,7 +20,8 @@ from ipcli.stages.gaze.parameters import GazeViews
 def main(recording: Path, experiment: Path, output: Path, params: GazeViews, run: Run) -> None:
     """Match the frames of RECORDING densely at the poses that gaze-sfm found (EXPERIMENT), as views for fuse-depth."""
     from ipcli.stages.gaze import gaze_views
+    from ipcli.stages.kit import summary
 
     with options.progress("gaze-views", run) as tell:
         gaze_views.run(recording, experiment, output, params, run, tell)
-    options.conclude(output, run)
+    options.conclude(summary.of_views(output), run, with_figures=True)

@@ -23,8 +23,9 @@ def main(source: Path, output: Path, params: ImportClips, run: Run) -> None:
     LABEL/ACTOR/), one of the Kinect sets Florence 3D Actions and UTKinect-Action, or another clips artefact.
     --rename "drink=swallow,answer phone=swallow" gives actions other names, for sets that take no manifest too.
     """
+    from ipcli.stages.kit import summary
     from ipcli.stages.mocap import import_clips
 
     with options.progress("import-clips", run) as tell:
         import_clips.run(source, output, params, run, tell)
-    options.conclude(output, run)
+    options.conclude(summary.of_clips(output), run, with_figures=True)

@@ -23,7 +23,8 @@ def main(source: Path, output: Path, params: ImportViews, run: Run) -> None:
     intrinsics.txt), or another views artefact.
     """
     from ipcli.stages.fusion import import_views
+    from ipcli.stages.kit import summary
 
     with options.progress("import-views", run) as tell:
         import_views.run(source, output, params, run, tell)
-    options.conclude(output, run)
+    options.conclude(summary.of_views(output), run, with_figures=True)

@@ -28,12 +28,13 @@ def test_import_views_writes_a_window_of_the_sample_and_prints_its_path(tmp_path
         "gauss:0.01",
     ]
     assert main(arguments) == 0
-    assert capsys.readouterr().out == f"{output}\n"
+    assert capsys.readouterr().out.splitlines()[:2] == [str(output), "views: 3"]
     sequence = layouts.open_views(output)
     assert sequence.names == ("004", "005", "006")
     assert sequence.load("005").truth is not None
     assert main([*arguments, "--json"]) == 0  # up to date
-    assert json.loads(capsys.readouterr().out) == {"output": str(output)}
+    told = json.loads(capsys.readouterr().out)
+    assert told == {"output": str(output), "views": 3, "measured": "depth", "unit": str(sequence.unit)}
 
 
 @pytest.mark.parametrize(

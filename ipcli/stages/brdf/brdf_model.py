@@ -27,7 +27,7 @@ from ipcli.report.brdf.brdf_object import OPEN, POORLY
 from ipcli.stages.brdf.parameters import BrdfModel
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
 from ipcli.stages.kit.pages import page
-from ipcli.stages.kit.summary import of_result
+from ipcli.stages.kit.summary import Figure, of_result
 
 log = logging.getLogger(__name__)
 TIE = 0.1  # difference of the two energies over their mean below which a picture does not tell convex from concave
@@ -234,11 +234,12 @@ def summary(output: Path) -> dict[str, Any]:
     arrays = h5.read(output, "brdf-object", lambda name: name in SUMMARISED).arrays
     facts: dict[str, Any] = {"cut edge": round(float(arrays["sheet"]), 2)}
     facts["residual"] = round(float(arrays["residual"]), 4)
-    facts["settled by the picture"] = (
-        "convex or concave: no, it ties" if abs(float(arrays["tie"])) < TIE else "convex or concave: yes"
-    )
+    tie = float(arrays["tie"])
+    told = "convex or concave: no, it ties" if abs(tie) < TIE else "convex or concave: yes"
+    facts["settled by the picture"] = Figure({"convex or concave": abs(tie) >= TIE, "tie": tie}, told)
     best = int(arrays["material_posterior"].argmax())
-    facts["material"] = f"{arrays['materials'][best]} ({float(arrays['material_posterior'][best]):.2f})"
+    name, share = str(arrays["materials"][best]), float(arrays["material_posterior"][best])
+    facts["material"] = Figure({"name": name, "posterior": share}, f"{name} ({share:.2f})")
     if "metrics" in arrays:
         facts["N-MAE, rad"] = round(float(arrays["metrics"][0, 0]), 4)
     return facts

@@ -1,4 +1,7 @@
-"""What a command says of its result on the console, and with --json."""
+"""What a command says of its result on the console, and with --json.
+
+The command line loads this before it knows what is asked for, so numpy is loaded where a figure needs it.
+"""
 
 from __future__ import annotations
 
@@ -28,3 +31,24 @@ def of_result(figures: Callable[[Path], Mapping[str, Any]]) -> Callable[[Path], 
         return {"output": output} | (dict(figures(output)) if output.is_file() else {})
 
     return summary
+
+
+@of_result
+def of_views(output: Path) -> dict[str, Any]:
+    """How many views a `views` artefact holds, what they measure and in which unit."""
+    from ipcli.io.files import h5
+
+    found = h5.read(output, "views", lambda name: name in ("unit", "measured") or name.endswith("/intrinsics")).arrays
+    count = sum(name.endswith("/intrinsics") for name in found)
+    return {"views": count, "measured": str(found["measured"]), "unit": str(found["unit"])}
+
+
+@of_result
+def of_clips(output: Path) -> dict[str, Any]:
+    """How many clips, frames, actions and people a `clips` artefact holds."""
+    from ipcli.io.files import h5
+
+    found = h5.read(output, "clips", lambda name: name in ("clips", "labels", "actors", "frames")).arrays
+    counts = {"actions": found["labels"], "people": found["actors"]}
+    told = {name: len({text for text in values.tolist() if text}) for name, values in counts.items()}
+    return {"clips": len(found["clips"]), "frames": int(found["frames"].sum())} | told

@@ -20,7 +20,7 @@ from ipcli.params import Run
 from ipcli.progress import Progress, portion, silent
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
-from ipcli.stages.kit.summary import of_result
+from ipcli.stages.kit.summary import Figure, of_result
 from ipcli.stages.saliency import sets
 from ipcli.stages.saliency.parameters import SaliencyEvaluate
 from ipcli.stages.saliency.saliency_predict import predictor_of
@@ -190,5 +190,6 @@ def summary(output: Path) -> dict[str, Any]:
     for name, role, values in zip(arrays["predictors"], arrays["roles"], arrays["values"], strict=True):
         if role != "feature":
             pairs = zip(arrays["measures"].tolist(), values.tolist(), strict=True)
-            facts[str(name)] = ", ".join(f"{measure} {value:.3f}" for measure, value in pairs if value == value)
+            told = {measure: value for measure, value in pairs if value == value}
+            facts[str(name)] = Figure(told, ", ".join(f"{measure} {value:.3f}" for measure, value in told.items()))
     return facts
