@@ -29,7 +29,8 @@ SIDES = ("left", "right")
 
 def opened(recording: str, frames: int) -> HeadRecording:
     """The first frames of a recording."""
-    from ipcli.stages.gaze.sources import RecordingSource, open_source
+    from ipcli.stages.gaze.parameters import RecordingSource
+    from ipcli.stages.gaze.sources import open_source
 
     return open_source(Path(recording), RecordingSource(stop=frames))
 

@@ -70,8 +70,7 @@ def recording(folder: str, frames: int) -> dict[str, Any]:
     """gaze-sfm and then saliency on the first frames of a recording, files read and written, pages included."""
     from ipcli.params import Run
     from ipcli.stages.gaze import gaze_sfm
-    from ipcli.stages.gaze.parameters import GazeSfm
-    from ipcli.stages.gaze.sources import RecordingSource
+    from ipcli.stages.gaze.parameters import GazeSfm, RecordingSource
     from ipcli.stages.saliency import saliency
     from ipcli.stages.saliency.parameters import Saliency
 

@@ -7,17 +7,15 @@ import io
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ipcli.io.files import atomic, ply
 from ipcli.io.gaze import colmap_model, trajectories
 from ipcli.io.meshes import turntable
+from ipcli.stages.kit.artefact import Beside
 from ipcli.stages.kit.pages import turning_page
-
-if TYPE_CHECKING:
-    from ipcli.stages.kit.artefact import Beside
 
 PATH_COLOUR, RAY_COLOUR, POR_COLOUR = (40, 90, 220), (240, 170, 40), (220, 40, 40)
 RAY_POINTS = 24  # along each gaze ray of the PLY

@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ipcli.errors import ParameterError
+from ipcli.io.files import h5
+from ipcli.io.gaze.areas_file import read_areas
+from ipcli.io.gaze.landmarks_file import read_landmarks
+from ipcli.io.gaze.picture_model import read_picture_model
+from ipcli.models.gaze import known_map, world
+from ipcli.models.gaze.areas import attention
+from ipcli.models.gaze.evaluation import summary as figures
+from ipcli.models.gaze.experiment import experiment
+from ipcli.models.gaze.known_map import KnownMap
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
+from ipcli.stages.gaze import exports
 from ipcli.stages.gaze.parameters import GazeSfm as Params
 from ipcli.stages.gaze.sources import open_source
+from ipcli.stages.kit.artefact import Job, Outcome, make
+from ipcli.stages.kit.pages import page
 from ipcli.stages.kit.summary import of_result
 
 log = logging.getLogger(__name__)
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    import numpy as np
-
-    from ipcli.models.gaze.known_map import KnownMap
-    from ipcli.stages.kit.artefact import Outcome
 
 
 def run(source: Path, output: Path, params: Params, run: Run, progress: Progress = silent) -> Outcome:
@@ -30,15 +36,6 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
 
     NoSolution when no frame could be localised.
     """
-    from ipcli.io.gaze.areas_file import read_areas
-    from ipcli.io.gaze.landmarks_file import read_landmarks
-    from ipcli.models.gaze import world
-    from ipcli.models.gaze.areas import attention
-    from ipcli.models.gaze.experiment import experiment
-    from ipcli.stages.gaze import exports
-    from ipcli.stages.kit.artefact import Job, make
-    from ipcli.stages.kit.pages import page
-
     recording = open_source(source, params.source)
     if params.poses_only:
         recording = replace(recording, gaze=None)
@@ -74,10 +71,6 @@ def _earlier(params: Params) -> tuple[Callable[[], KnownMap] | None, tuple[Path,
 
     A run is read at once, so that one that is no map is told before any work.
     """
-    from ipcli.io.files import h5
-    from ipcli.io.gaze.picture_model import read_picture_model
-    from ipcli.models.gaze import known_map
-
     is_model = params.map is not None and Path(params.map).is_dir()
     if is_model != (params.map_images is not None):
         raise ParameterError("--map of a COLMAP model, a folder, and --map-images, its pictures, need each other")
@@ -94,8 +87,5 @@ def _earlier(params: Params) -> tuple[Callable[[], KnownMap] | None, tuple[Path,
 @of_result
 def summary(output: Path) -> dict[str, object]:
     """The figures that a person wants to see at once."""
-    from ipcli.io.files import h5
-    from ipcli.models.gaze.evaluation import summary as figures
-
     wanted = ("world_from_rig", "lost", "keyframe", "offset", "truth", "por/outcome", "por/covariance", "in_map")
     return figures(h5.read(output, "gaze-experiment", only=lambda name: name in wanted).arrays)

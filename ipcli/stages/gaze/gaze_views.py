@@ -3,28 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import numpy as np
+
+from ipcli.io.files import h5
+from ipcli.io.views.artefact import views_arrays
+from ipcli.models.gaze import dense
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
 from ipcli.stages.gaze.parameters import GazeViews
 from ipcli.stages.gaze.sources import open_source
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from ipcli.stages.kit.artefact import Outcome
+from ipcli.stages.kit.artefact import Job, Outcome, make
 
 
 def run(
     source: Path, experiment: Path, output: Path, params: GazeViews, run: Run, progress: Progress = silent
 ) -> Outcome:
     """Write the views of the recording `source` at the poses of the `experiment` made from it."""
-    from ipcli.io.files import h5
-    from ipcli.io.views.artefact import views_arrays
-    from ipcli.models.gaze import dense
-    from ipcli.stages.kit.artefact import Job, make
-
     recording = open_source(source, params.source)
     wanted = ("names", "world_from_rig", "in_map", "offset", "map/points")
 

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import numpy as np
+
+from ipcli.io.files.images import encode_png
+from ipcli.io.gaze.artefact import recording_arrays
+from ipcli.measurements.recording import HeadRecording
+from ipcli.models.gaze.experiment import gaze_arrays, rig_arrays
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
 from ipcli.stages.gaze.parameters import ImportRecording
 from ipcli.stages.gaze.sources import open_source
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from ipcli.measurements.recording import HeadRecording
-    from ipcli.stages.kit.artefact import Outcome
+from ipcli.stages.kit.artefact import Job, Outcome, make
 
 
 def run(source: Path, output: Path, params: ImportRecording, run: Run, progress: Progress = silent) -> Outcome:
     """Write the artefact. Pictures are kept without loss, as PNG."""
-    from ipcli.io.gaze.artefact import recording_arrays
-    from ipcli.models.gaze.experiment import gaze_arrays, rig_arrays
-    from ipcli.stages.kit.artefact import Job, make
-
     recording = open_source(source, params.source)
 
     def build() -> dict[str, np.ndarray]:
@@ -33,10 +29,6 @@ def run(source: Path, output: Path, params: ImportRecording, run: Run, progress:
 
 
 def _encoded(recording: HeadRecording, k: int, progress: Progress) -> dict[str, np.ndarray]:
-    import numpy as np
-
-    from ipcli.io.files.images import encode_png
-
     frame = recording.load(k)
     shown = frame.left if frame.colour is None else frame.colour
     arrays = {"left": np.frombuffer(encode_png(shown), np.uint8)}

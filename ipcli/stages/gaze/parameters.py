@@ -6,7 +6,30 @@ from dataclasses import dataclass, field
 
 from ipcli.models.gaze.parameters import Localisation
 from ipcli.params import option
-from ipcli.stages.gaze.sources import RecordingSource
+
+
+@dataclass(frozen=True)
+class RecordingSource:
+    """Hints on the recording; None leaves the layout's own default."""
+
+    format: str = option(
+        "auto", "Layout: auto, recording, euroc, kitti, aria, boofcv, tum or 7scenes.", flag="--format"
+    )
+    gaze: str | None = option(None, "Gaze export, a file or its folder; beside or in place of its own.", flag="--gaze")
+    gaze_shift: float = option(0.0, "Added to the times of the gaze.", flag="--gaze-shift", unit="s")
+    gaze_size: tuple[int, ...] | None = option(
+        None, "Width,height of the picture that the gaze was given for, if not the camera's.", flag="--gaze-size", low=1
+    )
+    calibrate_gaze: str | None = option(
+        None, "Fixation targets (CSV: time [s],x [px],y [px]) that the gaze is corrected by.", flag="--calibrate-gaze"
+    )
+    intrinsics: tuple[float, ...] | None = option(
+        None, "fx,fy,cx,cy of an RGB-D camera.", flag="--intrinsics", unit="px"
+    )
+    depth_scale: float | None = option(None, "Stored value of one metre of depth.", low=0.0)
+    start: int = option(0, "First frame to take.", flag="--start", low=0)
+    stop: int = option(0, "Frame to stop before; 0: the end.", flag="--stop", low=0)
+    step: int = option(1, "Take every so many-th frame.", flag="--step", low=1)
 
 
 @dataclass(frozen=True)

@@ -1,47 +1,22 @@
-"""What a command needs to be told of a recording and of the gaze that goes with it."""
+"""A recording and the gaze that goes with it, opened with what a command was told of them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ipcli.errors import ParameterError
-from ipcli.params import option
-
-if TYPE_CHECKING:
-    from ipcli.measurements.recording import HeadRecording
-
-
-@dataclass(frozen=True)
-class RecordingSource:
-    """Hints on the recording; None leaves the layout's own default."""
-
-    format: str = option(
-        "auto", "Layout: auto, recording, euroc, kitti, aria, boofcv, tum or 7scenes.", flag="--format"
-    )
-    gaze: str | None = option(None, "Gaze export, a file or its folder; beside or in place of its own.", flag="--gaze")
-    gaze_shift: float = option(0.0, "Added to the times of the gaze.", flag="--gaze-shift", unit="s")
-    gaze_size: tuple[int, ...] | None = option(
-        None, "Width,height of the picture that the gaze was given for, if not the camera's.", flag="--gaze-size", low=1
-    )
-    calibrate_gaze: str | None = option(
-        None, "Fixation targets (CSV: time [s],x [px],y [px]) that the gaze is corrected by.", flag="--calibrate-gaze"
-    )
-    intrinsics: tuple[float, ...] | None = option(
-        None, "fx,fy,cx,cy of an RGB-D camera.", flag="--intrinsics", unit="px"
-    )
-    depth_scale: float | None = option(None, "Stored value of one metre of depth.", low=0.0)
-    start: int = option(0, "First frame to take.", flag="--start", low=0)
-    stop: int = option(0, "Frame to stop before; 0: the end.", flag="--stop", low=0)
-    step: int = option(1, "Take every so many-th frame.", flag="--step", low=1)
+from ipcli.io.gaze import gaze_files, layouts
+from ipcli.io.gaze.fixation_targets import read_fixation_targets
+from ipcli.measurements.recording import HeadRecording, window
+from ipcli.models.gaze.gaze_calibration import calibrated
+from ipcli.stages.gaze.parameters import RecordingSource
 
 
 def open_source(path: Path, source: RecordingSource) -> HeadRecording:
     """The recording with its gaze. Raises what io.gaze.layouts.open_recording and gaze_files.read_gaze raise."""
-    from ipcli.io.gaze import layouts
-    from ipcli.measurements.recording import window
-
     found = layouts.open_recording(path, source.format, intrinsics=source.intrinsics, depth_scale=source.depth_scale)
     found = _with_targets(_calibrated(_with_gaze(found, source, path), source), path)
     if (source.start, source.stop, source.step) != (0, 0, 1):
@@ -53,8 +28,6 @@ def open_source(path: Path, source: RecordingSource) -> HeadRecording:
 
 def _with_gaze(found: HeadRecording, source: RecordingSource, beside: Path) -> HeadRecording:
     """Gaze of --gaze, else the recording's own, else of a gaze.csv in its folder."""
-    from ipcli.io.gaze import gaze_files
-
     own = beside / "gaze.csv"
     if source.gaze is None:
         if found.gaze is not None or not own.is_file():
@@ -74,11 +47,6 @@ def _with_gaze(found: HeadRecording, source: RecordingSource, beside: Path) -> H
 
 def _calibrated(found: HeadRecording, source: RecordingSource) -> HeadRecording:
     """The gaze corrected by the targets of --calibrate-gaze; how good that is goes with what is told of the gaze."""
-    import numpy as np
-
-    from ipcli.io.gaze.fixation_targets import read_fixation_targets
-    from ipcli.models.gaze.gaze_calibration import calibrated
-
     if source.calibrate_gaze is None:
         return found
     if found.gaze is None or found.gaze.directions is not None:
@@ -97,8 +65,6 @@ def _calibrated(found: HeadRecording, source: RecordingSource) -> HeadRecording:
 
 def _with_targets(found: HeadRecording, folder: Path) -> HeadRecording:
     """Places of what was looked at, from a targets.csv in the folder: name, x, y, z in the frame of the truth."""
-    from ipcli.io.gaze import gaze_files
-
     path = folder / "targets.csv"
     if found.targets is not None or not path.is_file():
         return found
