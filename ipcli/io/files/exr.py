@@ -13,6 +13,7 @@ from ipcli.errors import FormatError
 MAGIC = b"v/1\x01"
 LINES = {0: 1, 2: 1, 3: 16}  # of a block, by compression: none, ZIPS, ZIP
 TYPES: dict[int, np.dtype] = {0: np.dtype("<u4"), 1: np.dtype("<f2"), 2: np.dtype("<f4")}
+NEEDED = ("channels", "compression", "dataWindow")  # of the header
 DEPTH_CHANNELS = ("Z", "depth.Z", "Y", "V", "R")  # the first of these that is there holds the depth
 FIX = "Save it uncompressed or as ZIP in scan lines, or as PFM or NPY"
 
@@ -57,6 +58,8 @@ def _channels(content: bytes) -> dict[str, np.dtype]:
 
 
 def _pixels(path: Path, data: bytes, attributes: dict[str, bytes], start: int) -> np.ndarray:
+    if missing := [name for name in NEEDED if name not in attributes]:
+        raise ValueError(f"no {', '.join(missing)} in its header")
     channels, compression = _channels(attributes["channels"]), attributes["compression"][0]
     if compression not in LINES:
         raise FormatError(path, "an OpenEXR file of a compression that is not read", expected="none or ZIP", fix=FIX)

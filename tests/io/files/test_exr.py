@@ -74,3 +74,8 @@ def test_a_cut_file_is_refused(tmp_path, compression):
     for length in [*range(4, len(content) - 1, 23), len(content) - 1]:
         with pytest.raises(FormatError):
             exr.decode(tmp_path / "d.exr", content[:length])
+
+
+def test_a_header_of_zeros_is_said_to_lack_all():
+    with pytest.raises(FormatError, match="no channels, compression, dataWindow in its header"):
+        exr.decode("d.exr", b"v/1\x01" + bytes(100))
