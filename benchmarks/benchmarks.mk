@@ -6,7 +6,7 @@
 
 BENCH := .venv/.bench
 BENCHMARKS := fusion-solver fusion-baselines fusion-scaling fusion-memory mocap-gibbs mocap-speed mocap-peers gaze-paths \
-    saliency-speed brdf-speed
+    saliency-speed brdf-speed brdf-solvers
 MOTIONS ?= sample_data/motions
 ACTORS ?= ann,bob
 # RECORDING, with its truth (and gaze), is what gaze-paths and saliency-speed take; without one they take a generated room.

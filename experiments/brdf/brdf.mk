@@ -3,6 +3,7 @@
 #   make experiments/brdf-mit         five objects of MIT-Berkeley's intrinsic images (table 7.2)
 #   make experiments/brdf-diligent    six objects of DiLiGenT, photographs under five mixes of lights
 #   make experiments/brdf-synthetic   five objects of our own making in every material of the library (table 7.1)
+#   make experiments/brdf-traced      the same pictures path traced by Mitsuba (extra `mitsuba`): shadows and inter-reflection
 #   make experiments/brdf-painted     the same objects under four kinds of paint: what texture does
 #   make experiments/brdf-reliefs     bowls and domes under light from above, the side and below: which way it bends
 #   make experiments/brdf-development cup1, meshes and sheets in measured materials under real probes: what all was chosen on
@@ -12,7 +13,7 @@
 BRDF_LIST := sample_data/brdf/materials.toml
 BRDF_LIBRARY := build/experiments/brdf-library$(SUFFIX).h5
 BRDF_EFFORT := $(if $(QUICK),--lights 12 --scenes 120 --pictures 40)
-BRDF_STUDIES := mit diligent synthetic painted reliefs development materials
+BRDF_STUDIES := mit diligent synthetic traced painted reliefs development materials
 
 .PHONY: $(BRDF_STUDIES:%=experiments/brdf-%)
 $(BRDF_STUDIES:%=experiments/brdf-%): experiments/brdf-%: build/experiments/brdf-%$(SUFFIX)/index.html

@@ -6,6 +6,10 @@ their distances are standardised by.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from tempfile import TemporaryFile
+from typing import BinaryIO
+
 import numpy as np
 
 from ipcli.models.brdf import autoencoder, divergence
@@ -53,27 +57,36 @@ def shares(shelf: Library, metals: np.ndarray, quick: bool) -> dict[str, tuple[f
 
 def look(shelf: Library, index: int, counts: dict[str, int], coding: Coding) -> divergence.Look:
     """The coder of a material, and how far its own held-out pictures are from it."""
-    taught = np.concatenate(
-        [
-            autoencoder.patches(picture, mask, PATCH, EACH)
-            for picture, mask in pictures(shelf, index, "taught", counts["taught"])
-        ]
-    )
-    coder = autoencoder.learn(taught, coding, stream(11, "look", shelf.materials[index]))
-    held = [
-        autoencoder.patches(picture, mask, PATCH, EACH)
-        for picture, mask in pictures(shelf, index, "held", counts["held"])
-    ]
-    return divergence.look(coder, taught, held)
+
+    def patches(use: str) -> Iterator[np.ndarray]:
+        return (autoencoder.patches(*seen, PATCH, EACH) for seen in pictures(shelf, index, use, counts[use]))
+
+    with TemporaryFile() as file:
+        taught = spooled(patches("taught"), file)
+        coder = autoencoder.learn(taught, coding, stream(11, "look", shelf.materials[index]))
+        return divergence.look(coder, taught, list(patches("held")))
 
 
-def pictures(shelf: Library, index: int, use: str, count: int) -> list[tuple[np.ndarray, np.ndarray]]:
+def spooled(parts: Iterable[np.ndarray], file: BinaryIO) -> autoencoder.Batches:
+    """Rows (m, d) that come in parts, put into a file; read again in batches, so that they are never all in memory."""
+    width = 0
+    for part in parts:
+        width = part.shape[1]
+        file.write(part.tobytes())
+
+    def batches() -> Iterator[np.ndarray]:
+        file.seek(0)
+        while read := file.read(8 * width * autoencoder.BATCH):
+            yield np.frombuffer(read).reshape(-1, width)
+
+    return batches
+
+
+def pictures(shelf: Library, index: int, use: str, count: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Linear pictures of a material and their masks; each use has a third of the probes and surfaces of its own."""
     third = list(PICTURES).index(use)
     charts = np.flatnonzero((shelf.material == index) & (shelf.probe % 3 == third))
-    made = []
     for number in range(count):
         rng = stream(11, "looks", f"{use} {number}")
         surface = generated.surface(rng, SIDE, sheets=0.25)
-        made.append((generated.photograph(surface, shelf.charts[int(rng.choice(charts))], rng), surface.mask))
-    return made
+        yield generated.photograph(surface, shelf.charts[int(rng.choice(charts))], rng), surface.mask

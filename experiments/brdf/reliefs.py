@@ -18,8 +18,8 @@ from ipcli.models.brdf.parameters import Inference
 from ipcli.models.brdf.reconstruct import reconstruct
 from ipcli.models.brdf.reflectance import chart_normals
 from ipcli.models.brdf.surfaces import ImplicitSurface
+from ipcli.report.brdf.brdf_object import TIED
 from ipcli.rng import stream
-from ipcli.stages.brdf.brdf_model import TIE
 
 LIGHTS = ("above", "side", "below")
 SIDE = 96
@@ -54,7 +54,7 @@ def told(made: ImplicitSurface, light: str, shelf: Library) -> Told:
     above = reconstruct(picture, made.mask, shelf, replace(params, relief="light-above"))
     convex = reconstruct(picture, made.mask, shelf, params)
     right, always = (right_side(found.height, made) for found in (above, convex))
-    return Told(made.name, light, right, always, abs(above.tie) < TIE)
+    return Told(made.name, light, right, always, abs(above.tie) < TIED)
 
 
 def right_side(height: np.ndarray, made: ImplicitSurface) -> float:

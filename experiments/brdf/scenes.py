@@ -83,6 +83,11 @@ def diligent(data: Path, names: tuple[str, ...] = DILIGENT) -> Iterator[Case]:
 
 
 def own(side: int) -> dict[str, ImplicitSurface]:
+    """The `solids` of our own as a picture of this side sees them, each cropped to its mask."""
+    return {name: cropped(surfaces.march(solid, side, name)) for name, solid in solids().items()}
+
+
+def solids() -> dict[str, surfaces.Implicit]:
     """Boot, moka pot, dish, teapot and vase as implicit solids: none is of the families that libraries learn from."""
     tilt = _about_x(0.35)
     made = {
@@ -92,7 +97,7 @@ def own(side: int) -> dict[str, ImplicitSurface]:
         "teapot": _teapot(),
         "vase": _vase(),
     }
-    return {name: cropped(surfaces.march(surfaces.turned(solid, tilt), side, name)) for name, solid in made.items()}
+    return {name: surfaces.turned(solid, tilt) for name, solid in made.items()}
 
 
 def _about_x(angle: float) -> np.ndarray:

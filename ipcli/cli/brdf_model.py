@@ -51,9 +51,10 @@ def main(
 ) -> None:
     """Model the surface of the object in PHOTO, with a LIBRARY of brdf-train.
 
-    The console tells: `cut edge`, the probability that the outline is the edge of a sheet and not the rim of a solid;
-    `residual`, the mean difference of the picture and what explains it, in its bright values; `settled by the
-    picture`, whether it tells a bump from a dent; `material`, the likeliest of the library with its probability.
+    The console tells: `cut edge`, whether the outline is taken for the edge of a sheet and not the rim of a solid, with
+    the probability; `residual`, the mean difference of the picture and what explains it, in its bright values (95th
+    percentile), poor above .12; `settled by the picture`, whether it tells a bump from a dent; `material`, the
+    likeliest of the library with its probability among those.
     """
     if photo is None:
         raise click.UsageError(f"two files are needed, LIBRARY (of brdf-train) and PHOTO; {library} is one")

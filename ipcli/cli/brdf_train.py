@@ -22,6 +22,10 @@ def main(materials: Path, output: Path, params: BrdfTrain, run: Run) -> None:
     """Learn how MATERIALS look under all lights.
 
     MATERIALS is a TOML file that lists materials and light probes; sample_data/brdf/materials.toml needs no other file.
+
+    The console tells how many materials, lights and reflectance maps the library holds (a probe at each of its headings
+    is a map of each material), from how many generated scenes the judge of rims learnt, and the shares that are told
+    right on scenes that were held out.
     """
     from ipcli.stages.brdf import brdf_train
 

@@ -4,12 +4,17 @@ A layer codes patches x as h = sigmoid(W x + b) and reads them back as V h + c. 
 
     1/(2 m) sum |V h + c - x|^2 + beta sum_k KL(rho || mean h_k) + lambda (|W|_1 + |V|_1)
 
-with OWL-QN; the next layer codes the codes.
+with OWL-QN; the next layer codes the codes. Patches are taken in batches, all of them at every step: memory holds one
+batch, whatever their number. Only the divergence mixes batches, and by mean h_k alone: its gradient is that of mean h
+times a factor that is known when all batches have been seen.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +22,14 @@ from ipcli.inverse.regularize.owl_qn import minimise
 from ipcli.models.brdf.parameters import Coding
 
 LEAST = 1e-4  # mean activation that the divergence of sparsity is held to
+BATCH = 2048  # patches
+
+Batches = Callable[[], Iterator[np.ndarray]]  # (b, d) each, at every call the same from the start
+
+
+def in_batches(rows: Any, size: int = BATCH) -> Batches:
+    """What is sliced by rows (m, d), an array or a file's, `size` rows at a time."""
+    return lambda: (np.asarray(rows[start : start + size]) for start in range(0, len(rows), size))
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +76,10 @@ class Coder:
             h = layer.code(h)
         return h
 
+    def coded(self, batches: Batches) -> Batches:
+        """The codes of patches that come in batches."""
+        return lambda: map(self.code, batches())
+
     def error(self, patches: np.ndarray) -> np.ndarray:
         """Mean squared error (m,) of the patches that are read back, in variances of those it was learnt from."""
         h = self.code(patches)
@@ -71,43 +88,62 @@ class Coder:
         return (((patches - self.mean) / self.spread - h) ** 2).mean(axis=1)
 
 
-def loss(vector: np.ndarray, x: np.ndarray, units: int, params: Coding) -> tuple[float, np.ndarray]:
+def loss(vector: np.ndarray, batches: Batches, units: int, params: Coding) -> tuple[float, np.ndarray]:
     """The smooth part of the loss of a layer of inputs (m, d), and its gradient."""
-    layer, m = Layer.of(vector, x.shape[1], units), len(x)
-    h = layer.code(x)
-    off = layer.read(h) - x
-    mean = h.mean(axis=0)
+    m, squares, total, by_mean = 0, 0.0, np.zeros(()), np.zeros(())
+    for x in batches():
+        layer = Layer.of(vector, x.shape[1], units)
+        h = layer.code(x)
+        off, steep = layer.read(h) - x, h * (1 - h)
+        inner = off @ layer.back.T * steep
+        m, squares = m + len(x), squares + float((off**2).sum())
+        total = total + Layer(x.T @ inner, inner.sum(axis=0), h.T @ off, off.sum(axis=0)).vector()
+        by_mean = by_mean + np.vstack([x.T @ steep, steep.sum(axis=0), h.sum(axis=0)])
+    mean = by_mean[-1] / m
     use, rho = np.clip(mean, LEAST, 1 - LEAST), params.activation
-    value = (off**2).sum() / (2 * m)
+    value = squares / (2 * m)
     value += params.sparsity * (rho * np.log(rho / use) + (1 - rho) * np.log((1 - rho) / (1 - use))).sum()
     pull = np.where(mean == use, params.sparsity * ((1 - rho) / (1 - use) - rho / use), 0.0)
-    inner = (off @ layer.back.T + pull) / m * h * (1 - h)
-    parts = Layer(x.T @ inner, inner.sum(axis=0), h.T @ off / m, off.sum(axis=0) / m)
-    return float(value), parts.vector()
+    total[: by_mean[:-1].size] += (by_mean[:-1] * pull).ravel()  # weights, then bias, as in `Layer.vector`
+    return float(value), total / m
 
 
-def learn(patches: np.ndarray, params: Coding, rng: np.random.Generator) -> Coder:
-    """Learn a coder of patches (m, d), layer by layer."""
-    mean, spread = patches.mean(axis=0), max(float(patches.std()), 1e-9)
-    x, layers = (patches - mean) / spread, []
+def learn(batches: Batches, params: Coding, rng: np.random.Generator) -> Coder:
+    """Learn a coder of patches (m, d) that come in batches, layer by layer."""
+    mean, spread = moments(batches)
+    coder = Coder(mean, spread, ())
     for units in params.units:
-        layers.append(_layer(x, units, params, rng))
-        x = layers[-1].code(x)
-    return Coder(mean, spread, tuple(layers))
+        layer = _layer(coder.coded(batches), units, params, rng)
+        coder = Coder(mean, spread, (*coder.layers, layer))
+    return coder
 
 
-def _layer(x: np.ndarray, units: int, params: Coding, rng: np.random.Generator) -> Layer:
-    inputs = x.shape[1]
+def moments(batches: Batches) -> tuple[np.ndarray, float]:
+    """Mean (d,) of rows, and the spread of all their numbers."""
+    origin = float(next(batches()).mean())  # keeps the digits of the squares
+    m, total, squares = 0, np.zeros(()), 0.0
+    for x in batches():
+        away = x - origin
+        m, total, squares = m + len(x), total + away.sum(axis=0), squares + float((away**2).sum())
+    mean = total / m
+    variance = squares / (m * len(mean)) - float(mean.mean()) ** 2
+    return mean + origin, max(float(np.sqrt(max(variance, 0.0))), 1e-9)
+
+
+def _layer(batches: Batches, units: int, params: Coding, rng: np.random.Generator) -> Layer:
+    mean, _ = moments(batches)
+    inputs = len(mean)
     reach = np.sqrt(6 / (inputs + units))
     start = Layer(
         rng.uniform(-reach, reach, (inputs, units)),
         np.full(units, np.log(params.activation / (1 - params.activation))),
         rng.uniform(-reach, reach, (units, inputs)),
-        x.mean(axis=0),
+        mean,
     )
     ones, free = np.full(inputs * units, params.l1), np.zeros(units)
     l1 = np.concatenate([ones, free, ones, np.zeros(inputs)])
-    return Layer.of(minimise(lambda v: loss(v, x, units, params), start.vector(), l1, params.iterations), inputs, units)
+    smooth = partial(loss, batches=batches, units=units, params=params)
+    return Layer.of(minimise(smooth, start.vector(), l1, params.iterations), inputs, units)
 
 
 def patches(picture: np.ndarray, mask: np.ndarray, side: int, most: int) -> np.ndarray:

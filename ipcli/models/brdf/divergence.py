@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipcli.models.brdf.autoencoder import Coder
+from ipcli.models.brdf.autoencoder import Batches, Coder, moments
 
 FLOOR = 1e-4
 ORDERS = ("fixed", "printed")
@@ -45,9 +45,9 @@ def raw(coder: Coder, mean: np.ndarray, patches: np.ndarray, measure: str) -> fl
     return float((itakura_saito(codes, mean) if measure == "fixed" else itakura_saito(mean, codes)).mean())
 
 
-def look(coder: Coder, taught: np.ndarray, held: list[np.ndarray]) -> Look:
-    """A material by the patches (m, d) its coder was taught on, and those of held-out pictures of it."""
-    mean = np.maximum(coder.code(taught).mean(axis=0), FLOOR)
+def look(coder: Coder, taught: Batches, held: list[np.ndarray]) -> Look:
+    """A material by the patches its coder was taught on, in batches, and those (m, d) of held-out pictures of it."""
+    mean = np.maximum(moments(coder.coded(taught))[0], FLOOR)
     own = {}
     for measure in (*ORDERS, "error"):
         values = np.array([raw(coder, mean, patches, measure) for patches in held])

@@ -10,6 +10,7 @@ W^3.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,7 +42,12 @@ class Linear:
 
     energy: float
     gradient: np.ndarray
-    hessian: Any
+    assemble: Callable[[], Any]
+
+    @property
+    def hessian(self) -> Any:
+        """The matrix, assembled when it is asked for: most of the work, and descent by gradients needs none."""
+        return self.assemble()
 
 
 def huber(r: np.ndarray, width: float) -> np.ndarray:
@@ -98,14 +104,17 @@ def linearise(problem: ShadedProblem, reflectance: Map, omega: float, height: np
     g_p, g_q = (sum(row[i] * row[3] * row[0] for row in rows) for i in (1, 2))
     pp, pq, qq = (sum(row[i] * row[j] * row[3] for row in rows) for i, j in ((1, 1), (1, 2), (2, 2)))
     x, y = grid.slope_x, grid.slope_y
-    cross = x.T @ diags(pq) @ y
-    hessian = x.T @ diags(pp) @ x + y.T @ diags(qq) @ y + cross + cross.T
     away = height - problem.prior
     bends = [b @ away for b in grid.bend]
     bend_lag = w.bending / np.maximum(np.sqrt(sum(b * b for b in bends)), w.bending_width)
     gradient = x.T @ g_p + y.T @ g_q + sum(b.T @ (bend_lag * r) for b, r in zip(grid.bend, bends, strict=True))
-    hessian = hessian + sum(b.T @ diags(bend_lag) @ b for b in grid.bend)
-    return Linear(energy(problem, reflectance, omega, height), gradient, hessian)
+
+    def assemble() -> Any:
+        cross = x.T @ diags(pq) @ y
+        shading = x.T @ diags(pp) @ x + y.T @ diags(qq) @ y + cross + cross.T
+        return shading + sum(b.T @ diags(bend_lag) @ b for b in grid.bend)
+
+    return Linear(energy(problem, reflectance, omega, height), gradient, assemble)
 
 
 def normal_slopes(p: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -51,9 +51,13 @@ def scene(
 
 def photograph(made: ImplicitSurface, chart: np.ndarray, rng: np.random.Generator, noise: float = 0.01) -> np.ndarray:
     """A linear picture (s, s, 3) of a surface through a colour chart, exposed so that 1 in 200 pixels is clipped."""
-    picture = np.zeros((*made.mask.shape, 3))
-    seen = shade(chart, made.normals[made.mask])
+    return exposed(shade(chart, made.normals[made.mask]), made.mask, rng, noise)
+
+
+def exposed(seen: np.ndarray, mask: np.ndarray, rng: np.random.Generator, noise: float = 0.01) -> np.ndarray:
+    """Radiance (n, 3) at the pixels of a mask (s, s) as a camera takes it: exposure as `photograph`, noise, 8 bits."""
+    picture = np.zeros((*mask.shape, 3))
     seen = seen / max(float(np.percentile(seen, 99.5)), 1e-9)
     seen = seen + noise * rng.normal(size=seen.shape)
-    picture[made.mask] = np.rint(np.clip(seen, 0, 1) * 255) / 255
+    picture[mask] = np.rint(np.clip(seen, 0, 1) * 255) / 255
     return picture

@@ -45,44 +45,73 @@ def _box(mask: np.ndarray) -> tuple[slice, slice]:
 
 
 def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
-    sheet, unit = float(arrays["sheet"]), str(arrays["unit"])
-    height = arrays["height"]
+    unit, height = str(arrays["unit"]), arrays["height"]
     rise = float(np.nanpercentile(height, 99) - np.nanpercentile(height, 1)) * float(arrays["pixel_size"])
-    kind = "an occluding rim: a solid" if sheet < 0.5 else "a cut edge: a sheet"
-    text = (
-        f"The outline looks like {kind} (probability of a cut edge {number(sheet, 2)}). The relief is "
-        f"{number(rise)} {unit} deep"
-    )
+    text = f"{outline(arrays)}. The relief is {number(rise)} {unit} deep"
     if "metrics" in arrays:
         mean = float(arrays["metrics"][0, 0])
         text += f"; its normals err by {number(np.degrees(mean))}° on average"
     return text + ". Orthographic view is assumed."
 
 
+def outline(arrays: Mapping[str, np.ndarray]) -> str:
+    """What the outline was taken for, with the probability of a cut edge."""
+    sheet = float(arrays["sheet"])
+    if is_open(arrays):
+        kind = "may be an occluding rim or a cut edge: a solid and a sheet, averaged"
+    else:
+        kind = "is taken for " + ("an occluding rim: a solid" if sheet < 0.5 else "a cut edge: a sheet")
+    return f"The outline {kind} (probability of a cut edge {number(sheet, 2)})"
+
+
+def is_open(arrays: Mapping[str, np.ndarray]) -> bool:
+    """Whether picture and outline leave open what the outline is."""
+    return OPEN[0] < float(arrays["sheet"]) < OPEN[1]
+
+
+def is_tied(arrays: Mapping[str, np.ndarray]) -> bool:
+    """Whether a bump and a dent explain the picture equally well."""
+    return abs(float(arrays["tie"])) < TIED
+
+
+def is_poor(arrays: Mapping[str, np.ndarray]) -> bool:
+    """Whether the best surface, light and material leave much of the picture unexplained."""
+    return float(arrays["residual"]) > POORLY
+
+
+def doubts(arrays: Mapping[str, np.ndarray]) -> list[str]:
+    """What is unusual about this picture and makes its surface doubtful: for the console and for the page."""
+    mask, found = arrays["mask"] > 0, []
+    along = int(mask[[0, -1]].sum() + mask[1:-1, [0, -1]].sum())
+    if along:
+        found.append(
+            f"the mask runs along {along} pixels of the picture's border: that cut is taken for an outline, and the "
+            "surface bends away there"
+        )
+    if is_poor(arrays):
+        found.append(
+            f"one material under one light explains the picture poorly (residual "
+            f"{number(float(arrays['residual']), 2)}): it may be painted, translucent or lit from near, and the "
+            f"material is but the likeliest of the {len(arrays['materials'])} of the library"
+        )
+    if is_open(arrays):
+        found.append("it is open whether the outline is a rim or a cut edge; --rim solid or --rim sheet decides")
+    return found
+
+
 def warnings(arrays: Mapping[str, np.ndarray]) -> list[str]:
     """What a user of this surface should know before trusting it."""
     found = []
-    tie = float(arrays["tie"])
-    if abs(tie) < TIED:
+    if is_tied(arrays):
         found.append(
             "this picture does not tell convex from concave: both explain it equally well "
-            f"(energies differ by {percent(abs(tie))}). --relief concave takes the other; --relief light-above "
-            f"the one lit from above"
+            f"(energies differ by {percent(abs(float(arrays['tie'])))}). --relief concave takes the other; --relief "
+            f"light-above the one lit from above"
         )
-    if OPEN[0] < float(arrays["sheet"]) < OPEN[1]:
-        found.append(
-            "it is open whether the outline is a rim or a cut edge: both were worked out and averaged. --rim "
-            "solid or --rim sheet decides"
-        )
+    found += doubts(arrays)
     if float(arrays["saturated"]) > BRIGHT:
         found.append(
             f"{percent(float(arrays['saturated']))} of the object is saturated; a shorter exposure would tell more"
-        )
-    if float(arrays["residual"]) > POORLY:
-        found.append(
-            f"one material under one light explains the picture poorly (residual "
-            f"{number(float(arrays['residual']), 2)}): "
-            "it may be painted, translucent or lit from near"
         )
     return found
 
@@ -188,7 +217,7 @@ def _light(arrays: Mapping[str, np.ndarray]) -> Markup:
     ]
     parts = [
         element("div", sphere, class_="half"),
-        _posterior("Material", arrays["materials"], arrays["material_posterior"]),
+        _posterior("Material, of those in the library", arrays["materials"], arrays["material_posterior"]),
     ]
     if np.isfinite(arrays["probe_posterior"]).all():
         parts.append(_posterior("Light probe", arrays["probes"], arrays["probe_posterior"]))

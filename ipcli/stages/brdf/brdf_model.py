@@ -23,14 +23,13 @@ from ipcli.models.brdf.reconstruct import Reconstruction, baselines, integrated,
 from ipcli.models.brdf.rim import FEATURES
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
-from ipcli.report.brdf.brdf_object import OPEN, POORLY
+from ipcli.report.brdf.brdf_object import doubts, is_open, is_poor, is_tied
 from ipcli.stages.brdf.parameters import BrdfModel
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
 from ipcli.stages.kit.pages import page
 from ipcli.stages.kit.summary import Figure, of_result
 
 log = logging.getLogger(__name__)
-TIE = 0.1  # difference of the two energies over their mean below which a picture does not tell convex from concave
 SUMMARISED = ("sheet", "residual", "tie", "materials", "material_posterior", "metrics")
 SMALLEST = 24  # pixels along the longer side of an object, below which patches and cells are too few
 
@@ -97,22 +96,6 @@ def library_of(path: Path) -> Library:
         fix = f"Learn the library first: brdf-train {path.name} -o {path.stem}.h5"
         raise FormatError(path, "a list of materials, not a library", expected="what brdf-train wrote (.h5)", fix=fix)
     return Library.of(h5.read(path, "brdf-library").arrays)
-
-
-def doubts(arrays: Mapping[str, np.ndarray]) -> list[str]:
-    """What a person should know before believing the surface."""
-    mask, found = arrays["mask"] > 0, []
-    along = int(mask[[0, -1]].sum() + mask[1:-1, [0, -1]].sum())
-    if along:
-        found.append(f"the mask runs along {along} pixels of the picture's border: that cut counts as an outline")
-    if float(arrays["residual"]) > POORLY:
-        found.append(
-            f"one material under one light explains the picture poorly (residual {float(arrays['residual']):.2f}): the "
-            f"material is but the likeliest of the {len(arrays['materials'])} of the library"
-        )
-    if OPEN[0] < float(arrays["sheet"]) < OPEN[1]:
-        found.append("it is open whether the outline is a rim or a cut edge; --rim solid or --rim sheet decides")
-    return found
 
 
 def box_of(mask: np.ndarray) -> tuple[slice, slice]:
@@ -232,14 +215,19 @@ def write_normals(
 def summary(output: Path) -> dict[str, Any]:
     """The few figures a person wants of an object."""
     arrays = h5.read(output, "brdf-object", lambda name: name in SUMMARISED).arrays
-    facts: dict[str, Any] = {"cut edge": round(float(arrays["sheet"]), 2)}
-    facts["residual"] = round(float(arrays["residual"]), 4)
-    tie = float(arrays["tie"])
-    told = "convex or concave: no, it ties" if abs(tie) < TIE else "convex or concave: yes"
-    facts["settled by the picture"] = Figure({"convex or concave": abs(tie) >= TIE, "tie": tie}, told)
-    best = int(arrays["material_posterior"].argmax())
+    sheet, residual, tie = (float(arrays[key]) for key in ("sheet", "residual", "tie"))
+    edge = "open" if is_open(arrays) else "no, a rim" if sheet < 0.5 else "yes"
+    told = "no, it ties" if is_tied(arrays) else "yes" if np.isfinite(tie) else "not asked"
+    best, count = int(arrays["material_posterior"].argmax()), len(arrays["materials"])
     name, share = str(arrays["materials"][best]), float(arrays["material_posterior"][best])
-    facts["material"] = Figure({"name": name, "posterior": share}, f"{name} ({share:.2f})")
+    facts: dict[str, Any] = {
+        "cut edge": Figure(round(sheet, 2), f"{edge} (probability {sheet:.2f})"),
+        "residual": Figure(round(residual, 4), f"{residual:.4f} of the bright values{', poor' * is_poor(arrays)}"),
+        "settled by the picture": Figure(
+            {"convex or concave": told == "yes", "tie": tie}, f"convex or concave: {told}"
+        ),
+        "material": Figure({"name": name, "posterior": share}, f"{name} ({share:.2f}, of {count} in the library)"),
+    }
     if "metrics" in arrays:
         facts["N-MAE, rad"] = round(float(arrays["metrics"][0, 0]), 4)
     return facts

@@ -22,7 +22,7 @@ from ipcli.stages.brdf.parameters import BrdfTrain
 from ipcli.stages.kit.artefact import Job, Outcome, make_resumable
 from ipcli.stages.kit.checkpoint import Checkpoint
 from ipcli.stages.kit.pages import page
-from ipcli.stages.kit.summary import of_result
+from ipcli.stages.kit.summary import Figure, of_result
 
 
 def run(source: Path, output: Path, params: BrdfTrain, run: Run, progress: Progress = silent) -> Outcome:
@@ -37,13 +37,16 @@ def run(source: Path, output: Path, params: BrdfTrain, run: Run, progress: Progr
 @of_result
 def summary(output: Path) -> dict[str, Any]:
     """The few figures a person wants of a library."""
-    wanted = ("materials", "probes", "material_accuracy", "rim_accuracy")
+    wanted = ("materials", "probes", "chart_material", "rim_scenes", "material_accuracy", "rim_accuracy")
     arrays = h5.read(output, "brdf-library", lambda name: name in wanted).arrays
-    material, metal = arrays["material_accuracy"]
+    rim, (material, metal) = arrays["rim_accuracy"], arrays["material_accuracy"]
+    told = f"rim {rim:.0%}, material {material:.0%}, metal or not {metal:.0%} (held out)"
     return {
         "materials": len(arrays["materials"]),
         "lights": len(arrays["probes"]),
-        "told right": f"rim {arrays['rim_accuracy']:.0%}, material {material:.0%}, metal or not {metal:.0%} (held out)",
+        "maps": len(arrays["chart_material"]),
+        "scenes of the judge": int(arrays["rim_scenes"]),
+        "told right": Figure({"rim": rim, "material": material, "metal or not": metal}, told),
     }
 
 

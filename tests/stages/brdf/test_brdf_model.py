@@ -40,6 +40,9 @@ def test_the_console_tells_its_figures(made):
     metrics = h5.read(made / "egg.h5", "brdf-object").arrays["metrics"]
     assert next(iter(told.items())) == ("output", made / "egg.h5")
     assert told["N-MAE, rad"] == round(float(metrics[0, 0]), 4)
+    assert str(told["cut edge"]) == "no, a rim (probability 0.00)"
+    assert str(told["settled by the picture"]) == "convex or concave: no, it ties"
+    assert str(told["material"]).endswith(", of 5 in the library)")
     assert brdf_model.summary(made / "none.h5") == {"output": made / "none.h5"}
 
 
@@ -90,6 +93,14 @@ def test_bad_input_fails_in_one_line(made, tmp_path, capsys, change, code):
     assert len(capsys.readouterr().err.strip().splitlines()) == 1
 
 
+def test_what_no_relief_was_compared_for_settles_nothing(made, tmp_path):
+    words = [str(made / "library.h5"), str(made / "egg.png"), "--mask", str(made / "egg.mask.png"), "--rim", "sheet"]
+    assert main(["brdf-model", *words, *brdf_scenes.FAST, "-o", str(tmp_path / "x.h5"), "--quiet"]) == 0
+    told = brdf_model.summary(tmp_path / "x.h5")
+    assert str(told["settled by the picture"]) == "convex or concave: not asked"
+    assert str(told["cut edge"]) == "yes (probability 1.00)"
+
+
 def test_given_normals_are_integrated(made):
     words = [str(made / "library.h5"), str(made / "egg.png"), "--mask", str(made / "egg.mask.png")]
     truth = ["--normals-from", str(made / "egg.normals.npy"), "--true-height", str(made / "egg.npy")]
@@ -100,16 +111,14 @@ def test_given_normals_are_integrated(made):
     assert errors["this surface"][2] < 0.6
 
 
-def test_what_a_person_should_know_is_said_on_the_console(made):
-    sound = h5.read(made / "egg.h5", "brdf-object").arrays | {"residual": np.array(0.03), "sheet": np.array(0.1)}
-    assert brdf_model.doubts(sound) == []
-    cut = sound["mask"].copy()
-    cut[-1, 3:9] = 1
-    assert "runs along 6 pixels of the picture's border" in brdf_model.doubts(sound | {"mask": cut})[0]
-    (poor,) = brdf_model.doubts(sound | {"residual": np.array(0.126)})
-    assert "poorly (residual 0.13)" in poor
-    assert f"likeliest of the {len(sound['materials'])} of the library" in poor
-    assert "--rim solid or --rim sheet decides" in brdf_model.doubts(sound | {"sheet": np.array(0.55)})[0]
+def test_a_mask_along_the_border_of_the_picture_is_said_on_the_console(made, tmp_path, capsys):
+    """The egg without its lower half."""
+    for name in ("egg.png", "egg.mask.png"):
+        images.write_png(tmp_path / name, images.read_stored(made / name)[:24])
+    words = [str(made / "library.h5"), str(tmp_path / "egg.png"), "--mask", str(tmp_path / "egg.mask.png")]
+    assert main(["brdf-model", *words, *brdf_scenes.FAST, "--rim", "solid", "-o", str(tmp_path / "half.h5")]) == 0
+    assert "pixels of the picture's border" in capsys.readouterr().err
+    assert "that cut is taken for an outline" in (tmp_path / "half.html").read_text(encoding="utf-8")
 
 
 def test_a_list_of_materials_or_a_lacking_library_is_told_from_a_library(made, tmp_path, capsys):

@@ -11,10 +11,11 @@ def test_the_list_that_ships_needs_no_other_file(tmp_path: Path, capsys):
     a, b = library(tmp_path / "a.h5"), tmp_path / "b.h5"
     assert main(["brdf-train", str(LIST), *QUICK, "-o", str(b), "--quiet"]) == 0
     assert a.read_bytes() == b.read_bytes()
-    *_, output, materials, lights, right = capsys.readouterr().out.splitlines()
+    *_, output, materials, lights, maps, scenes, right = capsys.readouterr().out.splitlines()
     found = h5.read(b, "brdf-library").arrays
     assert (output, materials) == (str(b), f"materials: {len(found['materials'])}")
     assert lights == f"lights: {len(found['probes'])}"
+    assert (maps, scenes) == (f"maps: {len(found['charts'])}", f"scenes of the judge: {QUICK[3]}")
     assert right.startswith(f"told right: rim {found['rim_accuracy']:.0%}, material ")
     assert "told right" in b.with_suffix(".html").read_text(encoding="utf-8")
 
