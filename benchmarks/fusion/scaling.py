@@ -116,7 +116,7 @@ def tiled(shape: tuple[int, int], count: int) -> dict[str, float]:
     import tempfile
 
     from benchmarks.fusion import scene
-    from ipcli.models.fusion import tiles
+    from ipcli.models.fusion import footprint, tiles
     from ipcli.models.fusion.fuse import fuse
     from ipcli.models.fusion.parameters import Fusion
 
@@ -126,7 +126,7 @@ def tiled(shape: tuple[int, int], count: int) -> dict[str, float]:
         views = ViewsOnDisk(Path(folder), shape, count)
         reference, before = views[count // 2], forget_peak()
         started, started_cpu = time.perf_counter(), time.process_time()
-        fused = tiles.fuse_in_tiles(views, reference, Fusion(), tiles.SIDE, inverse=False)
+        fused = tiles.fuse_in_tiles(views, reference, Fusion(), footprint.SIDE, inverse=False)
         seconds, cpu = time.perf_counter() - started, time.process_time() - started_cpu
     error = float(
         np.nanmean(np.abs(fused.depth - scene.cast(as_shape(shape), reference.intrinsics, reference.cam_from_world)))

@@ -5,7 +5,7 @@ its neighbours, on the development scenes.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,8 @@ import numpy as np
 from experiments.kit.arguments import Arguments
 from experiments.kit.run import Findings, page_of, quick_lead
 from ipcli.measurements.accuracy import mean_over_scenes
-from ipcli.models.fusion.parameters import Variant
+from ipcli.models.fusion.fuse import Fused, fuse_unfilled, with_holes_filled
+from ipcli.models.fusion.parameters import Fusion, Holes
 from ipcli.models.fusion.scenes import EstimatedMap, Scene
 from ipcli.params import find_config, resolve
 from ipcli.report.kit.numbers import number, percent
@@ -66,27 +67,49 @@ CHOICES = {
 
 
 def rows_of(scenes: Sequence[Scene], choice: Choice, quick: bool) -> list[dict[str, object]]:
-    """A row for each setting at each value, all others as the configuration has them: its measures over the scenes."""
+    """A row for each setting at each value, all others as the configuration has them: its measures over the scenes, and
+    on how many of them each is better than at the value that is shipped.
+    """
     config = find_config(Path(choice.config), "fuse-depth") if choice.config else None
-    shipped = {key: _value(resolve(FuseDepth, config=config), key) for key in choice.tried}
+    shipped = resolve(FuseDepth, config=config)
+    tried = {
+        (key, value): resolve(FuseDepth, config=config, sets=[f"{key}={value!r}"])
+        for key, values in choice.tried.items()
+        for value in [
+            *[v for v in values if v != _value(shipped, key)][: QUICK - 1 if quick else None],
+            _value(shipped, key),
+        ]
+    }
+    found = [measures_of(scene, [shipped, *tried.values()], choice.measures) for scene in scenes]
     rows: list[dict[str, object]] = []
-    for key, values in choice.tried.items():
-        for value in [v for v in values if v != shipped[key]][: QUICK - 1 if quick else None] + [shipped[key]]:
-            params = resolve(FuseDepth, config=config, sets=[f"{key}={value!r}"])
-            found = [errors_of(scene, params) for scene in scenes]
-            columns = found[0][0]
-            means = mean_over_scenes(np.stack([row for _, row in found]), columns)
-            told = {measure: float(means[columns.index(measure)]) for measure in choice.measures}
-            rows.append({"setting": key, "value": value, "shipped": value == shipped[key]} | told)
-            print(key, value, *(f"{name} {figure:.4g}" for name, figure in told.items()), flush=True)
-    return sorted(rows, key=lambda row: (list(choice.tried).index(str(row["setting"])), row["value"]))
+    for key, value in sorted(tried, key=lambda at: (list(choice.tried).index(at[0]), at[1])):
+        own = np.stack([of_scene[tried[key, value]] for of_scene in found])
+        better = (own < np.stack([of_scene[shipped] for of_scene in found])).sum(axis=0)
+        row: dict[str, object] = {"setting": key, "value": value, "shipped": value == _value(shipped, key)}
+        for measure, mean, count in zip(choice.measures, mean_over_scenes(own, choice.measures), better, strict=True):
+            row |= {measure: float(mean), f"{measure} better": int(count)}
+        rows.append(row)
+    return rows
 
 
-def errors_of(scene: Scene, params: FuseDepth) -> tuple[list[str], np.ndarray]:
-    """Columns and figures of the fused map of a scene."""
-    variant = Variant(params.fusion.method, params.fusion.algorithm)
-    columns, rows = scene.errors({"fused": EstimatedMap.of(scene.fuse(variant, params.fusion))})
-    return columns, rows[0]
+def measures_of(scene: Scene, settings: Sequence[FuseDepth], measures: Sequence[str]) -> dict[FuseDepth, np.ndarray]:
+    """The measures of the fused map of a scene at each of these settings, which are fused once each; the reach of holes
+    counts after the fusion alone.
+    """
+    unfilled: dict[Fusion, Fused] = {}
+    found: dict[FuseDepth, np.ndarray] = {}
+    for params in settings:
+        if params in found:
+            continue
+        fusion = params.fusion
+        fused = replace(fusion, holes=replace(fusion.holes, reach=Holes.reach))
+        if fused not in unfilled:
+            unfilled[fused] = fuse_unfilled(scene.views, scene.reference, fused, inverse=scene.inverse)
+        filled = with_holes_filled(unfilled[fused], scene.reference, fusion, inverse=scene.inverse)
+        columns, rows = scene.errors({"fused": EstimatedMap.of(filled)})
+        found[params] = rows[0][[columns.index(measure) for measure in measures]]
+        print(scene.reference.name, len(found), *found[params].round(4), flush=True)
+    return found
 
 
 def _value(params: object, key: str) -> float:
@@ -105,7 +128,7 @@ def sections(rows: Sequence[Mapping[str, object]], choice: Choice) -> list[Marku
         lines = [
             (
                 number(float(str(row["value"]))) + (" (shipped)" if row["shipped"] else ""),
-                *(f"{number(_figure(row, m))} ({_change(row, own, m)})" for m in choice.measures),
+                *(f"{number(_figure(row, m))} ({told(row, own, m)})" for m in choice.measures),
             )
             for row in mine
         ]
@@ -113,13 +136,15 @@ def sections(rows: Sequence[Mapping[str, object]], choice: Choice) -> list[Marku
     return parts
 
 
+def told(row: Mapping[str, object], own: Mapping[str, object], measure: str) -> str:
+    """How far a mean is from that of the shipped value, and on how many scenes it is better."""
+    change = _figure(row, measure) / _figure(own, measure) - 1
+    better = "" if row["shipped"] else f", better on {row[f'{measure} better']}"
+    return f"{'+' if change >= 0 else '−'}{percent(abs(change))}{better}"
+
+
 def _figure(row: Mapping[str, object], measure: str) -> float:
     return float(str(row[measure]))
-
-
-def _change(row: Mapping[str, object], own: Mapping[str, object], measure: str) -> str:
-    change = _figure(row, measure) / _figure(own, measure) - 1
-    return f"{'+' if change >= 0 else '−'}{percent(abs(change))}"
 
 
 def make(given: Arguments) -> Findings:
@@ -129,7 +154,8 @@ def make(given: Arguments) -> Findings:
     rows = rows_of(scenes, choice, given.quick)
     lead = (
         f"Each setting by itself, all others as they are shipped, on {len(scenes)} development scenes; means over the "
-        "scenes, and in brackets how far that is from the shipped value's. None of them is in a table of results."
+        "scenes, and in brackets how far that is from the shipped value's and on how many scenes it is better. None of "
+        "them is in a table of results."
     )
     lead = (quick_lead("small generated scenes") if given.quick else "") + lead
     return Findings(page_of("fusion", choice.title, lead, *sections(rows, choice)), rows, {"title": choice.title})

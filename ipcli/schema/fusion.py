@@ -108,6 +108,7 @@ DEPTH = Kind(
         Field("lambda", "float64", (), "1", "Weight of the data", domain=WEIGHT),
         Field("fused_into", "str", (), "", "Name of the view or camera that was fused into", optional=True),
         Field("warnings", "str", ("q",), "", "What is odd about the views or the fusion", optional=True),
+        Field("tile", "int64", (), "px", "Side of the tiles in which it was fused; left out: at once", optional=True),
         Field("metrics", "float64", ("m", "c"), "", "Error measures against `truth`; NaN undefined", optional=True),
         Field("metric_rows", "str", ("m",), "", "Result that each row measures", optional=True),
         Field("metric_columns", "str", ("c",), "", "Measure and unit of each column", optional=True),

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ipcli.measurements.accuracy import MAP_PIXELS, thinning
 from ipcli.models.fusion.parameters import METHODS, Fusion
-from ipcli.models.fusion.tiles import EVERY, MARGIN, side_of_tiles
+from ipcli.models.fusion.tiles import EVERY, MARGIN
 
 PROCESS = 350_000_000  # bytes of the interpreter, its libraries and compiled kernels
 PUBLISHING = 480_000_000  # the same while mesh and pages are drawn
@@ -22,7 +22,9 @@ OBSERVATION = 12  # of a tile, a view: as reprojected, sorted, and once more whi
 WEIGHT = 12  # the same of a given confidence
 OWN_CONFIDENCE = 24  # of a method with a confidence for each observation
 VIEW = 4  # a view as it stays in memory, and as much again while it is read
-SIDES = (2048, 1024, 512, 256)  # of tiles that are tried, pixels
+SIDE = 1024  # pixels of a tile, unless told otherwise
+SIDES = (512, 256)  # of smaller ones that are tried where those do not fit
+LARGE = 2_500_000_000  # bytes of the observations and the iteration from which on a map is fused in tiles by itself
 
 
 @dataclass(frozen=True)
@@ -43,29 +45,43 @@ class FusionSize:
         return f"{self.shape[0] * self.shape[1] / 1e6:.3g} Mpx of {self.views} view{'s' if self.views > 1 else ''}"
 
 
+def side_by_size(size: FusionSize, fusion: Fusion) -> int:
+    """Side of the tiles to fuse in, 0 for all at once: by the sizes alone, so that any machine makes the same map."""
+    if fusion.tile is not None:
+        return -(-fusion.tile // EVERY) * EVERY
+    h, w = size.shape
+    return SIDE if h * w * pixel_bytes(size, fusion) > LARGE else 0
+
+
+def pixel_bytes(size: FusionSize, fusion: Fusion) -> int:
+    """Bytes that a pixel takes while it is fused."""
+    observation = OBSERVATION + (WEIGHT if size.given_confidence and fusion.confidence.given else 0)
+    observation += OWN_CONFIDENCE if METHODS[fusion.method].each_view else 0
+    return WORKING + size.views * observation
+
+
 def footprint(size: FusionSize, fusion: Fusion, side: int) -> int:
     """Bytes at the peak of a fusion in tiles of that side, 0 for all at once."""
     h, w = size.shape
     pixels, view = h * w, h * w * (VIEW + (4 if size.given_confidence else 0))
-    observation = OBSERVATION + (WEIGHT if size.given_confidence and fusion.confidence.given else 0)
-    observation += OWN_CONFIDENCE if METHODS[fusion.method].each_view else 0
-    own = WORKING + size.views * observation
+    own = pixel_bytes(size, fusion)
     resting = PROCESS + pixels * size.reference_bytes
     drawn = PICTURED * pixels // thinning(pixels, MAP_PIXELS) ** 2 + PUBLISHING - PROCESS + MAPS * pixels
     if not side:
         return resting + size.views * view + max(pixels * own, drawn)
     tile = min(side + 2 * MARGIN, h) * min(side + 2 * MARGIN, w)
     kept = 4 * size.views * pixels // EVERY**2
-    reading = 2 * min(size.at_once, size.views) * view
+    reading = min(size.at_once, size.views) * view  # of each view what may land in the tile, which may be all
     fusing = MAPS * pixels + max(FILLING * pixels, reading + tile * own)
-    return resting + kept + max(fusing, drawn)
+    return resting + kept + max(2 * view, fusing, drawn)
 
 
 def side_within(size: FusionSize, fusion: Fusion, limit: int) -> int | None:
     """Side of the tiles, 0 for all at once, in which a fusion keeps a limit in bytes; None if it does in none.
 
-    As the settings say, where they do; else at once unless that is too much, and then in the largest tiles that fit.
+    That of `side_by_size`, unless it is too much and the settings do not ask for it: then the largest that fits.
     """
-    asked = side_of_tiles(fusion, size.shape, size.views)
-    tried = [asked] if fusion.tile is not None else [asked, *(side for side in SIDES if not asked or side < asked)]
+    asked = side_by_size(size, fusion)
+    smaller = [side for side in (SIDE, *SIDES) if not asked or side < asked]
+    tried = [asked] if fusion.tile is not None else [asked, *smaller]
     return next((side for side in tried if footprint(size, fusion, side) <= limit), None)

@@ -114,7 +114,7 @@ class Fusion:
     tile: int | None = option(
         None,
         "side of the tiles that are fused one by one, to bound memory; 0: one tile; if not given 1024 for large "
-        "fusions",
+        "fusions, and less where --max-memory asks for it",
         low=0,
         unit="px",
     )

@@ -8,8 +8,9 @@ filled otherwise.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
 from itertools import islice, product
 
 import numpy as np
@@ -32,59 +33,13 @@ from ipcli.models.fusion.observations import Normalised, measure
 from ipcli.models.fusion.parameters import METHODS, Fusion
 from ipcli.models.fusion.reassociation import reassociate
 from ipcli.models.fusion.reprojection import Layers, reproject_all
+from ipcli.models.fusion.windows import Excerpts, Landing, Part, Window, tiles
 from ipcli.progress import Progress, silent
 
-SIDE = 1024  # pixels of a tile, unless told otherwise
-MARGIN = 64  # pixels around it
-LARGE = 100_000_000  # observations from which on a map is fused in tiles by itself
+MARGIN = 64  # pixels around a tile
 EVERY = 4  # so many-th rows and columns are kept of what each view said; divides the side of a tile
 WINDOW = 256  # pixels along a side of a window, of which there are WINDOWS x WINDOWS
 WINDOWS = 3
-
-
-@dataclass(frozen=True)
-class Window:
-    """A rectangle of the image."""
-
-    rows: slice
-    columns: slice
-
-    def of(self, image: np.ndarray) -> np.ndarray:
-        """That part of an image, as a view of it."""
-        return image[self.rows, self.columns]
-
-    def of_optional(self, image: np.ndarray | None) -> np.ndarray | None:
-        """That part of an image, None of none."""
-        return None if image is None else self.of(image)
-
-    def wider(self, margin: int) -> Window:
-        """The rectangle with a margin; it may reach over the end of the image, as slices do."""
-        return Window(*(slice(max(s.start - margin, 0), s.stop + margin) for s in (self.rows, self.columns)))
-
-    def within(self, outer: Window) -> Window:
-        """The same rectangle counted from the corner of another."""
-        pairs = ((self.rows, outer.rows), (self.columns, outer.columns))
-        return Window(*(slice(own.start - other.start, own.stop - other.start) for own, other in pairs))
-
-    def camera(self, view: View) -> View:
-        """The view that sees but this rectangle."""
-        intrinsics = view.intrinsics.copy()
-        intrinsics[:2] -= np.outer((self.columns.start, self.rows.start), intrinsics[2])
-        return replace(
-            view,
-            depth=self.of(view.depth),
-            intrinsics=intrinsics,
-            confidence=self.of_optional(view.confidence),
-            image=self.of_optional(view.image),
-            truth=self.of_optional(view.truth),
-        )
-
-
-def side_of_tiles(fusion: Fusion, shape: tuple[int, int], views: int) -> int:
-    """Side of the tiles to fuse in, 0 for all at once."""
-    if fusion.tile is None:
-        return SIDE if views * shape[0] * shape[1] > LARGE else 0
-    return -(-fusion.tile // EVERY) * EVERY
 
 
 def fuse_in_tiles(
@@ -95,37 +50,36 @@ def fuse_in_tiles(
     *,
     inverse: bool,
     progress: Progress = silent,
+    part: Part | None = None,
 ) -> Fused:
-    """As `fuse`, tile by tile; views are asked for again for every tile. A tile that nothing reaches stays NaN.
+    """As `fuse`, tile by tile. A tile that nothing reaches stays NaN.
 
-    `layers` keeps every 4th row and column; the history is that of the tile with the largest gap.
+    Each view is asked for once as a whole, and then for every tile its rectangle that may land there, by `part` if that
+    can read it. `layers` keeps every 4th row and column; the history is that of the tile with the largest gap.
     """
-    shape, scales = reference.depth.shape, survey(views, reference, fusion, side, inverse=inverse)
+    read = part or (lambda k, window: window.camera(views[k]))
+    landings = [Landing.of(views[k], reference) for k in range(len(views))]
+    excerpts = partial(Excerpts, read, landings)
+    shape, scales = reference.depth.shape, survey(excerpts, reference, fusion, side, inverse=inverse)
     whole, windows = empty(len(views), shape, scales[-1]), tiles(shape, side)
     for done, window in enumerate(windows):
         progress(0.1 + 0.8 * done / len(windows), f"fusing tile {done + 1} of {len(windows)}")
         wide = window.wider(MARGIN)
         try:
-            part = fuse_unfilled(views, wide.camera(reference), fusion, inverse=inverse, scales=scales)
+            own = fuse_unfilled(excerpts(wide), wide.camera(reference), fusion, inverse=inverse, scales=scales)
         except NoSolution:
             continue
         inner = window.within(wide)
         for name in ("depth", "filled", "confidence", "uncertainty", "normals", "observations", "mean", "median"):
-            window.of(getattr(whole, name))[:] = inner.of(getattr(part, name))
-        kept = part.layers[
+            window.of(getattr(whole, name))[:] = inner.of(getattr(own, name))
+        kept = own.layers[
             :, inner.rows.start : inner.rows.stop : EVERY, inner.columns.start : inner.columns.stop : EVERY
         ]
         top, left = window.rows.start // EVERY, window.columns.start // EVERY
         whole.layers[:, top : top + kept.shape[1], left : left + kept.shape[2]] = kept
-        if len(part.history) and (not len(whole.history) or part.history[-1, 3] > whole.history[-1, 3]):
-            whole = replace(whole, history=part.history)
+        if len(own.history) and (not len(whole.history) or own.history[-1, 3] > whole.history[-1, 3]):
+            whole = replace(whole, history=own.history)
     return with_holes_filled(whole, reference, fusion, inverse=inverse)
-
-
-def tiles(shape: tuple[int, int], side: int) -> list[Window]:
-    """Tiles that cover an image (h, w), without margin."""
-    edges = [[slice(start, min(start + side, n)) for start in range(0, n, side)] for n in shape]
-    return [Window(rows, columns) for rows, columns in product(*edges)]
 
 
 def empty(k: int, shape: tuple[int, int], scale: PassScale) -> Fused:
@@ -152,7 +106,9 @@ def empty(k: int, shape: tuple[int, int], scale: PassScale) -> Fused:
     )
 
 
-def survey(views: Sequence[View], reference: View, fusion: Fusion, side: int, *, inverse: bool) -> list[PassScale]:
+def survey(
+    excerpts: Callable[[Window], Excerpts], reference: View, fusion: Fusion, side: int, *, inverse: bool
+) -> list[PassScale]:
     """The scale of each pass, from windows spread over the map, or from the first tile that sees anything if they do
     not.
     """
@@ -162,29 +118,32 @@ def survey(views: Sequence[View], reference: View, fusion: Fusion, side: int, *,
         Window(*(slice(at, at + min(WINDOW, n)) for at, n in zip(corner, shape, strict=True)))
         for corner in product(*corners)
     ]
-    seen = list(_seen(views, reference, spread)) or list(islice(_seen(views, reference, tiles(shape, side)), 1))
+    seen = list(_seen(excerpts, reference, spread))
+    seen = seen or list(islice(_seen(excerpts, reference, tiles(shape, side)), 1))
     if not seen:
         raise NoSolution(
             "no view has a valid depth inside the reference view: check the poses, their direction and the unit"
         )
     scales: list[PassScale] = []
-    now = [layers for _, layers in seen]
+    now = [layers for _, _, layers in seen]
     for done in range(passes_after_first(fusion) + 1):
         if done:
-            for i, (camera, forward) in enumerate(seen):
+            for i, (views, camera, forward) in enumerate(seen):
                 end = fuse_layers(now[i], camera, first_pass(fusion), inverse=inverse, scale=scales[-1]).end
                 now[i] = reassociate(end.depth, views, camera, forward, end.units)
         scales.append(_scale(now, fusion, inverse))
     return scales
 
 
-def _seen(views: Sequence[View], reference: View, windows: Sequence[Window]) -> Iterator[tuple[View, Layers]]:
-    """The cameras of the windows that a view reaches, and what the views say there."""
+def _seen(
+    excerpts: Callable[[Window], Excerpts], reference: View, windows: Sequence[Window]
+) -> Iterator[tuple[Excerpts, View, Layers]]:
+    """What of the views, the cameras of the windows that a view reaches, and what the views say there."""
     for window in windows:
-        camera = window.camera(reference)
+        camera, views = window.camera(reference), excerpts(window)
         layers = reproject_all(views, camera)
         if np.isfinite(layers.depth).any():
-            yield camera, layers
+            yield views, camera, layers
 
 
 def _scale(windows: Sequence[Layers], fusion: Fusion, inverse: bool) -> PassScale:

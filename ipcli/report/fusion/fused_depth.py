@@ -348,6 +348,7 @@ def _solver(fused: PicturedMap) -> Markup:
     known = gap[np.isfinite(gap)]
     end = f", to a relative gap of {number(float(known[-1]), 2)}" if known.size else ""
     many = "one round" if len(last) == 1 else f"{len(last)} rounds"
+    end += f", in the worst of the tiles of {int(fused.arrays['tile'])} px" if "tile" in fused.arrays else ""
     return section(
         "Solver", element("div", *plots, class_="plots"), lead=f"{int(steps[-1])} iterations in {many}{end}."
     )

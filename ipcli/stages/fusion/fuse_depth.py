@@ -18,6 +18,7 @@ from ipcli import threads
 from ipcli.errors import NoSolution, ParameterError
 from ipcli.executor import map_items
 from ipcli.io.files import h5
+from ipcli.io.files.scratch import ScratchFiles
 from ipcli.io.views import camera
 from ipcli.measurements.names import window
 from ipcli.measurements.views import View, Views
@@ -25,11 +26,12 @@ from ipcli.models.fusion.assessment import error_table, view_table
 from ipcli.models.fusion.checks import convergence_warnings, geometry_warnings
 from ipcli.models.fusion.fuse import Fused, fuse
 from ipcli.models.fusion.parameters import METHODS, Fusion, Variant
-from ipcli.models.fusion.tiles import fuse_in_tiles, side_of_tiles
+from ipcli.models.fusion.tiles import fuse_in_tiles
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
 from ipcli.stages.fusion.exports import write_mesh, write_turnable
 from ipcli.stages.fusion.memory_plan import MemoryPlan
+from ipcli.stages.fusion.on_demand import ViewsOnDemand
 from ipcli.stages.fusion.parameters import FuseDepth
 from ipcli.stages.fusion.sources import middle, open_source, source_files
 from ipcli.stages.kit import outputs
@@ -128,11 +130,13 @@ def _fuse(
     inputs = source_files(views, names) + ((Path(params.camera),) if params.camera else ())
     reference = reference_of(views, name, params)
     plan = MemoryPlan.of(reference, len(names), params.fusion)
-    params = replace(params, fusion=plan.fusion)  # a map in other tiles is another map
 
     def build() -> dict[str, np.ndarray]:
         plan.say(reference.name)
-        return fused_arrays(views, names, reference, params, progress)
+        if not plan.side:
+            return fused_arrays(views, names, reference, params, progress)
+        with ScratchFiles(output.parent) as scratch:
+            return fused_arrays(views, names, reference, params, progress, plan.side, scratch)
 
     outcome = make(Job(output, "fused-depth", "fuse-depth", params, inputs, beside), build, run)
     if outcome is Outcome.WOULD_RUN:
@@ -146,18 +150,25 @@ def reference_of(views: Views, name: str, params: FuseDepth) -> View:
 
 
 def fused_arrays(
-    source: Views, names: Sequence[str], reference: View, params: FuseDepth, progress: Progress
+    source: Views,
+    names: Sequence[str],
+    reference: View,
+    params: FuseDepth,
+    progress: Progress,
+    side: int = 0,
+    scratch: ScratchFiles | None = None,
 ) -> dict[str, np.ndarray]:
-    """The arrays of the `fused-depth` artefact of the views of these names."""
+    """The arrays of the `fused-depth` artefact of the views of these names; in tiles of that side by scratch files."""
     domain = source.measured if params.domain == "auto" else params.domain
-    views: Sequence[View] = ViewsOnDemand(source, names, reference)
-    inverse, side = domain == "disparity", side_of_tiles(params.fusion, reference.depth.shape, len(names))
-    warnings = list(source.notes)
+    inverse, warnings = domain == "disparity", list(source.notes)
+    on_demand = ViewsOnDemand(source, names, reference, scratch)
+    views: Sequence[View] = on_demand if side else threads.each(on_demand.__getitem__, range(len(names)))
     warnings += geometry_warnings(views, reference)
     if side:
-        fused = fuse_in_tiles(views, reference, params.fusion, side, inverse=inverse, progress=progress)
+        fused = fuse_in_tiles(
+            views, reference, params.fusion, side, inverse=inverse, progress=progress, part=on_demand.part
+        )
     else:
-        views = threads.each(views.__getitem__, range(len(names)))
         fused = fuse(views, reference, params.fusion, inverse=inverse, progress=progress)
     table = view_table(fused, names, views)
     others = [name != reference.name for name in names]
@@ -168,26 +179,9 @@ def fused_arrays(
     for warning in warnings[len(source.notes) :]:  # the notes were said when the source was opened
         log.warning("%s: %s", reference.name, warning)
     said = {"warnings": np.array(warnings)} if warnings else {}
+    said |= {"tile": np.array(side)} if side else {}
     errors = error_table(fused, reference, source.baseline_focal)
     return map_arrays(fused, reference, source, domain, params.fusion) | table | errors | said
-
-
-class ViewsOnDemand(Sequence[View]):
-    """The views of these names (K), each read when it is asked for; without pictures, but for the reference, which is
-    at hand.
-    """
-
-    def __init__(self, source: Views, names: Sequence[str], reference: View):
-        self._source, self._names, self._reference = source, names, reference
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-    def __getitem__(self, k: Any) -> Any:
-        if not 0 <= k < len(self._names):
-            raise IndexError(k)
-        name = self._names[k]
-        return self._reference if name == self._reference.name else self._source.load(name, pictures=False)
 
 
 def map_arrays(fused: Fused, reference: View, source: Views, domain: str, fusion: Fusion) -> dict[str, np.ndarray]:

@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ipcli import memory, threads
 from ipcli.errors import IpcliError
 from ipcli.measurements.views import View
 from ipcli.models.fusion import footprint as sizes
-from ipcli.models.fusion.footprint import FusionSize, footprint, side_within
+from ipcli.models.fusion.footprint import FusionSize, footprint, side_by_size, side_within
 from ipcli.models.fusion.parameters import Fusion
-from ipcli.models.fusion.tiles import side_of_tiles
 
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class MemoryPlan:
-    """The settings of a fusion with the tiles that the limit asks for, and what it takes."""
+    """The tiles in which a fusion keeps the limit, and what it takes."""
 
     fusion: Fusion
     size: FusionSize
-    asked: int  # side of the tiles without a limit
+    asked: int  # side of the tiles without a limit, 0 for all at once
+    side: int
     fits: bool
 
     @classmethod
@@ -38,14 +38,12 @@ class MemoryPlan:
             reference.confidence is not None,
             threads.available(),
         )
-        asked, side = side_of_tiles(fusion, size.shape, views), side_within(size, fusion, memory.budget())
-        chosen = fusion if side is None or side == asked else replace(fusion, tile=side)
-        return cls(chosen, size, asked, side is not None)
+        asked, side = side_by_size(size, fusion), side_within(size, fusion, memory.budget())
+        return cls(fusion, size, asked, asked if side is None else side, side is not None)
 
     def say(self, name: str, level: int = logging.INFO) -> None:
         """Say what the fusion into `name` takes, aloud if the limit changes it. IpcliError if it fits in no way."""
-        side = side_of_tiles(self.fusion, self.size.shape, self.size.views)
-        limit, need = memory.told(memory.budget()), memory.told(footprint(self.size, self.fusion, side))
+        limit, need = memory.told(memory.budget()), memory.told(footprint(self.size, self.fusion, self.side))
         if not self.fits:
             least = memory.told(footprint(self.size, self.fusion, sizes.SIDES[-1]))
             cure = "leave out fusion.tile" if self.fusion.tile is not None else "give a smaller --camera"
@@ -53,10 +51,10 @@ class MemoryPlan:
                 f"{name}: {self.size.words} take {need} and in the smallest tiles {least}, but --max-memory is "
                 f"{limit}. Raise it, or {cure}"
             )
-        way = f"in tiles of {side} px" if side else "at once"
+        way = f"in tiles of {self.side} px" if self.side else "at once"
         why = ""
-        if side != self.asked:
+        if self.side != self.asked:
             level = logging.WARNING
-            before = memory.told(footprint(self.size, replace(self.fusion, tile=self.asked), self.asked))
+            before = memory.told(footprint(self.size, self.fusion, self.asked))
             why = f", since it would take {before} {'in larger ones' if self.asked else 'at once'}"
         log.log(level, "%s: %s, %s: about %s of the %s of --max-memory%s", name, self.size.words, way, need, limit, why)

@@ -6,6 +6,8 @@ import pytest
 
 from experiments.fusion import choices
 from experiments.kit.arguments import Arguments
+from ipcli.models.fusion.fuse import fuse, fuse_unfilled
+from ipcli.models.fusion.scenes import EstimatedMap
 from ipcli.params import find_config, resolve
 from ipcli.stages.fusion.parameters import FuseDepth
 from ipcli.stages.fusion.sources import open_scene
@@ -27,6 +29,20 @@ def test_a_row_is_what_a_fusion_at_that_value_gives(tmp_path):
     assert sum(row["shipped"] for row in found.rows) == len(choices.CHOICES["defaults"].tried)
     row = next(row for row in found.rows if row["setting"] == "fusion.edges.gain" and not row["shipped"])
     params = resolve(FuseDepth, sets=[f"fusion.edges.gain={row['value']}"])
-    columns, figures = choices.errors_of(open_scene(path, None, "auto"), params)
-    assert row["RMSE"] == pytest.approx(figures[columns.index("RMSE")])
+    scene_of = open_scene(path, None, "auto")
+    fused = fuse(scene_of.views, scene_of.reference, params.fusion, inverse=scene_of.inverse)
+    columns, figures = scene_of.errors({"fused": EstimatedMap.of(fused)})
+    assert row["RMSE"] == pytest.approx(figures[0][columns.index("RMSE")])
+    shipped = next(row for row in found.rows if row["shipped"])
+    assert row["RMSE better"] == (row["RMSE"] < shipped["RMSE"])
     assert "(shipped)" in found.page
+
+
+def test_each_fusion_is_made_once_and_the_reach_of_holes_needs_none(tmp_path, monkeypatch):
+    made = []
+    monkeypatch.setattr(choices, "fuse_unfilled", lambda *a, **k: made.append(a[2]) or fuse_unfilled(*a, **k))
+    one = open_scene(write(tmp_path / "a.views.h5", scene(seed=3, shape=(40, 50))), None, "auto")
+    reached = [resolve(FuseDepth, sets=["fusion.solver.iterations=5", f"fusion.holes.reach={r}"]) for r in (1, 100, 1)]
+    found = choices.measures_of(one, reached, ("RMSE",))
+    assert len(made) == 1
+    assert len(found) == 2

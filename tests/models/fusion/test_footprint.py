@@ -8,9 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from ipcli.models.fusion.footprint import SIDES, FusionSize, footprint, side_within
+from ipcli.models.fusion.footprint import SIDE, SIDES, FusionSize, footprint, side_by_size, side_within
 from ipcli.models.fusion.parameters import Fusion
-from ipcli.models.fusion.tiles import SIDE
 
 LARGE = FusionSize((3650, 5480), 8, 3, at_once=2)
 CHILD = """
@@ -49,12 +48,11 @@ def test_the_estimate_holds_the_peak_of_a_real_fusion_and_is_near_it(side):
 
 def test_twenty_megapixels_of_three_views_fit_two_gigabytes_in_tiles_alone():
     assert footprint(LARGE, Fusion(), 0) > 5e9
-    assert side_within(LARGE, Fusion(), 8 * 10**9) == 0
-    side = side_within(LARGE, Fusion(), 2 * 10**9)
+    assert side_within(LARGE, Fusion(), 2 * 10**9) == SIDE
+    assert side_within(LARGE, Fusion(), 8 * 10**9) == SIDE  # whatever the limit, the map is the same where it can be
+    side = side_within(LARGE, Fusion(), 1_700_000_000)
     assert side in SIDES
-    assert footprint(LARGE, Fusion(), side) <= 2 * 10**9
-    larger = [other for other in SIDES if other > side]
-    assert all(footprint(LARGE, Fusion(), other) > 2 * 10**9 for other in larger)
+    assert footprint(LARGE, Fusion(), side) <= 1_700_000_000 < footprint(LARGE, Fusion(), SIDE)
     assert side_within(LARGE, Fusion(), 10**9) is None
 
 
@@ -71,3 +69,10 @@ def test_more_views_weights_and_confidences_take_more():
     assert footprint(LARGE, Fusion(method="l1-adapt-views"), 0) > few
     sides = [footprint(LARGE, Fusion(), side) for side in (256, 512, 1024, 2048)]
     assert sides == sorted(sides)
+
+
+def test_large_fusions_are_tiled_by_themselves_and_others_when_told():
+    assert side_by_size(FusionSize((480, 640), 8, 11), Fusion()) == 0
+    assert side_by_size(FusionSize((3000, 4000), 8, 41), Fusion()) == SIDE
+    assert side_by_size(FusionSize((3000, 4000), 8, 41), Fusion(tile=0)) == 0
+    assert side_by_size(FusionSize((480, 640), 8, 11), Fusion(tile=101)) == 104

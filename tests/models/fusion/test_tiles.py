@@ -7,9 +7,10 @@ import pytest
 
 from ipcli.errors import NoSolution
 from ipcli.inverse.regularize.parameters import Solver
-from ipcli.models.fusion import tiles
+from ipcli.models.fusion import tiles, windows
 from ipcli.models.fusion.fuse import fuse
 from ipcli.models.fusion.parameters import Confidence, Edges, Fusion
+from ipcli.models.fusion.windows import Window
 from tests.fixtures.fusion_scenes import scene
 
 SHAPE = (90, 142)  # no multiple of the side
@@ -33,16 +34,23 @@ def both(views, fusion=EXACT, inverse=False, reference=2):
     return whole, tiles.fuse_in_tiles(views, views[reference], fusion, SIDE, inverse=inverse)
 
 
-def test_tiles_cover_every_pixel_once():
-    count = np.zeros(SHAPE, int)
-    for window in tiles.tiles(SHAPE, SIDE):
-        window.of(count)[:] += 1
-        wide = window.wider(tiles.MARGIN)
-        np.testing.assert_array_equal(
-            window.within(wide).of(wide.of(np.arange(count.size).reshape(SHAPE))),
-            window.of(np.arange(count.size).reshape(SHAPE)),
-        )
-    assert (count == 1).all()
+def test_the_map_is_that_of_views_read_whole_bit_for_bit(views, monkeypatch):
+    """What of a view cannot land in a tile is left unread, and changes nothing."""
+    monkeypatch.setattr(windows, "BLOCK", 16)
+    monkeypatch.setattr(windows, "LOOKED_UP", 8)
+    asked = []
+
+    def part(k, window):
+        cut = window.camera(views[k])
+        asked.append(cut.depth.size / views[k].depth.size)
+        return cut
+
+    found = tiles.fuse_in_tiles(views, views[2], Fusion(), SIDE, inverse=False, part=part)
+    assert np.median(asked) < 0.75  # a tile and its margins are most of so small an image
+    monkeypatch.setattr(windows.Landing, "window", lambda self, of_reference: Window(slice(0, None), slice(0, None)))
+    whole = tiles.fuse_in_tiles(views, views[2], Fusion(), SIDE, inverse=False)
+    for name in ("depth", "confidence", "observations", "mean", "median", "layers"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(whole, name))
 
 
 # The weights of edges pass on what the quick first maps differ by, so that jumps are larger with them: measured are at
@@ -102,10 +110,3 @@ def test_no_overlap_is_told(views):
     away = [replace(view, depth=np.full(SHAPE, np.nan, np.float32)) for view in views]
     with pytest.raises(NoSolution, match="no view has a valid depth"):
         tiles.fuse_in_tiles(away, away[2], Fusion(), SIDE, inverse=False)
-
-
-def test_large_fusions_are_tiled_by_themselves_and_others_when_told():
-    assert tiles.side_of_tiles(Fusion(), (480, 640), 11) == 0
-    assert tiles.side_of_tiles(Fusion(), (3000, 4000), 41) == tiles.SIDE
-    assert tiles.side_of_tiles(Fusion(tile=0), (3000, 4000), 41) == 0
-    assert tiles.side_of_tiles(Fusion(tile=101), (480, 640), 11) == 104

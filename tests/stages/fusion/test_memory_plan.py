@@ -9,6 +9,7 @@ from ipcli import memory
 from ipcli.errors import IpcliError
 from ipcli.inverse.regularize.parameters import Solver
 from ipcli.io.files import h5
+from ipcli.io.views import artefact
 from ipcli.models.fusion import footprint
 from ipcli.models.fusion.parameters import Fusion
 from ipcli.params import Run
@@ -34,7 +35,8 @@ def tight(monkeypatch):
         monkeypatch.setattr(footprint, name, 90_000_000)
     monkeypatch.setattr(footprint, "PICTURED", 0)
     monkeypatch.setattr(footprint, "MARGIN", 8)
-    monkeypatch.setattr(footprint, "SIDES", (128, 64))
+    monkeypatch.setattr(footprint, "SIDE", 128)
+    monkeypatch.setattr(footprint, "SIDES", (64,))
     monkeypatch.setattr("ipcli.models.fusion.tiles.MARGIN", 8)
     monkeypatch.setenv(memory.VARIABLE, "94MB")
 
@@ -50,23 +52,34 @@ def test_a_dry_run_says_what_it_takes_and_why_it_goes_in_tiles(source, tmp_path,
     assert "MB of the 94 MB of --max-memory, since it would take 100 MB at once" in said
 
 
-def test_the_artefact_says_in_which_tiles_it_was_made_and_they_give_it_bit_for_bit(
+def test_the_limit_is_no_parameter_and_the_artefact_says_in_which_tiles_it_was_made(
     source, tmp_path, monkeypatch, caplog
 ):
     run(source, tmp_path / "x.fused.h5")
     made = h5.read(tmp_path / "x.fused.h5", "fused-depth")
-    assert made.provenance["params"]["fusion"]["tile"] == 64
+    assert made.arrays["tile"] == 64
+    assert made.provenance["params"]["fusion"]["tile"] is None
     assert [record.levelno for record in caplog.records if "in tiles" in record.getMessage()] == [logging.WARNING]
     monkeypatch.setenv(memory.VARIABLE, "50%")
-    assert (
-        run(source, tmp_path / "x.fused.h5", Fusion(solver=Solver(iterations=40), rounds=1, tile=64))
-        is Outcome.UP_TO_DATE
-    )
+    assert run(source, tmp_path / "x.fused.h5") is Outcome.UP_TO_DATE
+    asked = Fusion(solver=Solver(iterations=40), rounds=1, tile=64)
+    run(source, tmp_path / "asked.fused.h5", asked)
+    same = h5.read(tmp_path / "asked.fused.h5", "fused-depth")
+    np.testing.assert_array_equal(made.arrays["depth"], same.arrays["depth"])
     run(source, tmp_path / "whole.fused.h5")
     whole = h5.read(tmp_path / "whole.fused.h5", "fused-depth")
-    assert whole.provenance["params"]["fusion"]["tile"] is None
+    assert "tile" not in whole.arrays
     apart = np.abs(made.arrays["depth"] - whole.arrays["depth"])
     assert np.median(apart) < 0.1 * whole.arrays["noise_scale"]  # the tolerance that docs/fuse-depth.md states
+
+
+def test_a_view_is_read_from_its_source_once(source, tmp_path, monkeypatch):
+    asked, load = [], artefact.check_view
+    monkeypatch.setattr(artefact, "check_view", lambda view, path: asked.append(view.name) or load(view, path))
+    run(source, tmp_path / "x.fused.h5")
+    assert sorted(asked) == sorted(set(asked))
+    assert len(asked) == 3
+    assert {path.suffix for path in tmp_path.iterdir()} == {".h5", ".ply", ".html", ".json"}
 
 
 def test_what_fits_in_no_way_is_refused_in_one_line_before_the_work(source, tmp_path, monkeypatch):
