@@ -37,6 +37,13 @@ def test_a_cylinder_shrinks_by_twice_the_time(axis):
     assert radius_along(ls.flow(phi, 15.0), axis) == pytest.approx(np.sqrt(70.0), abs=0.03)
 
 
+def test_redistancing_on_the_way_keeps_the_exact_time_of_a_warped_field():
+    warped = sphere(9.0, 25) * (1.5 + np.sin(grid(25)[..., 0] / 3))
+    assert radius_along(ls.flow(warped, 5.0, every=5)) == pytest.approx(np.sqrt(61.0), abs=0.1)
+    cylinder = np.linalg.norm(np.delete(grid(25), 2, axis=-1), axis=-1) - 8.0
+    assert radius_along(ls.flow(cylinder, 5.0, every=5)) == pytest.approx(np.sqrt(54.0), abs=0.1)
+
+
 def test_a_plane_stays():
     g = grid()
     phi = (g @ np.array([1.0, 2, 2])) / 3

@@ -64,7 +64,7 @@ def run(animals: tuple[meshes.Animal, meshes.Animal], params: Modelling) -> dict
         for other, group in ((False, images), (True, others))
         for (name, part), aspect in lift_all(group, tree, params.inflation).items()
     }
-    fields, shots, grid = whole.parts_of(images, cameras, tree, heights, params.volume.voxels)
+    fields, shots, grid = whole.parts_of(images, cameras, tree, heights, params.volume)
     alone = whole.surface(fields, shots, grid, params.volume)
     own = {(name.removeprefix("other "), part): value for (name, part), value in heights.items() if "other " in name}
     bent, overlap = reposed(others, shots, grid, fields, tree, own, params)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from ipcli.params import option
 
 LOADS = ("sqrt-poisson", "steep", "printed", "constant")
-MERGES = ("hull", "clip")
+MERGES = ("hull", "clip", "union")
+FIELDS = ("sdf", "ipf")
 OTHER_POSES = ("bend", "ignore")
 METHODS = ("primal-dual", "irls")
 GROUPS = ("similarity", "affine")
@@ -46,9 +47,16 @@ class Volume:
 
     merge: str = option(
         "hull",
-        "Parts cut by all views' masks, united and rounded: hull keeps all silhouettes covered, clip does not.",
+        "Parts cut by all views' masks, united and rounded: hull keeps all silhouettes covered, clip does not. union, "
+        "the thesis' way: all aspects as they are, cut by nothing.",
         flag="--merge",
         choices=MERGES,
+    )
+    field: str = option(
+        "sdf",
+        "Field of an aspect that is merged by union: signed distance, or the inner product field in our reading.",
+        flag="--field",
+        choices=FIELDS,
     )
     voxels: int = option(96, "Voxels along the longest side.", flag="--voxels", low=24, high=400)
     steps: int = option(20, "Steps of mean curvature flow on the whole, a sixth of a squared voxel each.", low=0)

@@ -50,7 +50,7 @@ def reposed(
     """
     progress(0.0, "model of the other pose")
     cameras = placed(others, tree, params)
-    fields, seen, around = whole.parts_of(others, cameras, tree, heights, params.volume.voxels)
+    fields, seen, around = whole.parts_of(others, cameras, tree, heights, params.volume)
     source = whole.surface(fields, seen, around, params.volume)
     rough = whole.surface(own, shots, grid, params.volume)
     progress(0.3, "bending it")

@@ -12,7 +12,7 @@ from ipcli.geometry import level_sets, meshes
 from ipcli.geometry.orthographic import Orthographic
 from ipcli.geometry.voxels import Sight, VoxelGrid, hull
 from ipcli.measurements.part_images import PartImage, PartTree
-from ipcli.models.animal import rims
+from ipcli.models.animal import rims, union
 from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.parameters import Modelling, Volume
 from ipcli.models.animal.parts import Shot, carve, rounded
@@ -39,7 +39,7 @@ def model(
 ) -> PartedSurface:
     """One surface from images of one pose with their cameras. NoSolution if the silhouettes have nothing in common."""
     lifted = {key: aspect.picture for key, aspect in lift_all(images, tree, params.inflation).items()}
-    fields, shots, grid = parts_of(images, cameras, tree, lifted, params.volume.voxels)
+    fields, shots, grid = parts_of(images, cameras, tree, lifted, params.volume)
     return surface(fields, shots, grid, params.volume)
 
 
@@ -48,12 +48,15 @@ def parts_of(
     cameras: Sequence[Orthographic],
     tree: PartTree,
     heights: Mapping[tuple[str, int], np.ndarray],
-    voxels: int,
+    params: Volume,
 ) -> tuple[list[np.ndarray], list[Shot], VoxelGrid]:
     """The field of each part, from images of one pose and the half thickness (h, w) of each part in each of them."""
-    grid = grid_of(images, cameras, voxels)
+    grid = grid_of(images, cameras, params.voxels)
     shots = shots_of(images, cameras, grid)
-    return rounded(carve(shots, tree), shots, heights), shots, grid
+    carved = carve(shots, tree)
+    if params.merge == "union":
+        return union.united(carved, shots, grid, heights, params.field), shots, grid
+    return rounded(carved, shots, heights), shots, grid
 
 
 def shots_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], grid: VoxelGrid) -> list[Shot]:
@@ -119,16 +122,18 @@ def surface(
 
 def merged(fields: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume) -> np.ndarray:
     """The field of the whole, rounded as `params.merge` says."""
-    union = np.minimum.reduce(list(fields)).astype(np.float32)
-    if params.merge != "hull":
-        return level_sets.flow(union, params.steps * level_sets.STABLE).astype(np.float32)
+    least = np.minimum.reduce(list(fields)).astype(np.float32)
+    if params.merge == "union":
+        return union.smoothed(least, params.steps).astype(np.float32)
+    if params.merge == "clip":
+        return level_sets.flow(least, params.steps * level_sets.STABLE).astype(np.float32)
     sights = [shot.sight for shot in shots]
     outlines = [shot.sight.silhouette_distance(shot.image.silhouette) for shot in shots]
     whole = np.maximum.reduce(outlines)
     wanted = [rims.wanted_depth(sight, rim) for sight, rim in zip(sights, outlines, strict=True)]
-    covered = rims.keep_rims(union, whole, sights, wanted)
-    bound = np.maximum(whole, np.minimum(union, covered) - SLACK)
-    return rims.round_off(union, bound, sights, outlines, params.steps)
+    covered = rims.keep_rims(least, whole, sights, wanted)
+    bound = np.maximum(whole, np.minimum(least, covered) - SLACK)
+    return rims.round_off(least, bound, sights, outlines, params.steps)
 
 
 def labels_at(fields: Sequence[np.ndarray], grid: VoxelGrid, points: np.ndarray) -> np.ndarray:

@@ -161,7 +161,7 @@ def components_artefact(animal: Project, aspects: Path, params: Modelling, tell:
     tell(0.1, "cameras")
     cameras = placed(images, animal.tree, params)
     tell(0.3, "carving and rounding")
-    fields, shots, grid = whole.parts_of(images, cameras, animal.tree, heights, params.volume.voxels)
+    fields, shots, grid = whole.parts_of(images, cameras, animal.tree, heights, params.volume)
     others = [image for image in animal.images if not image.is_reference]
     bent: Arrays = {}
     if others and params.other_pose == "bend" and not tells_shape(others):

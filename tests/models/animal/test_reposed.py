@@ -50,7 +50,7 @@ def test_another_pose_brings_the_model_nearer_to_the_truth():
     images = looks("standing", ("left", "front"))
     cameras = placed(images, TREE, params)
     heights = {key: a.picture for key, a in lift_all([*images, *others], TREE, params.inflation).items()}
-    fields, shots, grid = whole.parts_of(images, cameras, TREE, heights, params.volume.voxels)
+    fields, shots, grid = whole.parts_of(images, cameras, TREE, heights, params.volume)
     bent, overlap = reposed(others, shots, grid, fields, TREE, heights, params)
     vertices, faces, _, _ = four_legged("standing", spacing=0.06)
     camera, _ = framed(vertices, named("left"), 160)

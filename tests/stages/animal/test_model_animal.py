@@ -9,9 +9,10 @@ from ipcli.errors import IpcliError, ParameterError
 from ipcli.io.files import h5
 from ipcli.io.parts import project
 from ipcli.models.animal.aspects import lift_all
-from ipcli.models.animal.parameters import Inflation, Modelling
+from ipcli.models.animal.parameters import Inflation, Modelling, Volume
 from ipcli.params import Run
 from ipcli.stages.animal import model_animal
+from ipcli.stages.animal.check_mesh import check
 from ipcli.stages.animal.parameters import ModelAnimal
 from tests.fixtures import limbs
 
@@ -40,6 +41,15 @@ def test_one_view_alone_is_said_to_guess_the_depth(tmp_path, caplog, views, coun
     with suppress(IpcliError):  # the steps themselves are not wanted
         model_animal.run(path, tmp_path / "x.glb", ModelAnimal(), Run(dry_run=True))
     assert sum("one view alone: the depth" in record.message for record in caplog.records) == count
+
+
+def test_the_union_of_the_aspects_is_closed_after_it_was_saved_and_read(tmp_path):
+    source = limbs.write_project(tmp_path, longest=60)
+    params = Modelling(Inflation(triangles=100), Volume(merge="union", field="ipf", voxels=24, steps=4))
+    model_animal.run(source, tmp_path / "x.stl", ModelAnimal(modelling=params), Run())
+    facts = check(tmp_path / "x.stl")
+    assert facts["watertight"]
+    assert facts["volume"] > 0.3
 
 
 def test_another_image_of_the_same_side_is_registered_and_merged(tmp_path):
