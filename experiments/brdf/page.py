@@ -1,7 +1,7 @@
 """Chapter 7 measured: every method on every case, as CSV, JSON and a page with the bars.
 
 python -m experiments.brdf.page mit|diligent|synthetic|traced|painted|reliefs|development|materials --library FILE
-    -o FOLDER [--data FOLDER] [--quick]
+    -o FOLDER [--data FOLDER] [--quick] [--only METHOD ...]
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -39,6 +39,8 @@ BARS = {
     "development": "none: what parameters are chosen on",
     "materials": "1 of 5 in colour: 70 %; metal or not: 90 %",
 }
+
+EACH = ("flat", "inflation", "ours", "always a solid", "true rim", "true map, as a solid")  # shown for each object
 
 READERS: dict[str, Callable[[Path], Iterator[Case]]] = {
     "mit": scenes.mit,
@@ -99,31 +101,53 @@ def true_map(case: Case, params: Inference) -> np.ndarray:
     return grid.inflate(case.mask) + solid.enlarge(height - small.inflated, small.grid.mask, case.mask)
 
 
-def measured(case: Case, shelf: Library, params: Inference) -> dict[str, list[float]]:
-    """[N-MAE, median, Z-MAE, seconds] of every method on a case."""
+def ablations(params: Inference) -> dict[str, Inference]:
+    """What is asked of every picture as if it were a solid: ours, and ours with one thing more or less (table 7.2)."""
+    solid_ = replace(params, rim="solid")
+
+    def without(term: str) -> Inference:
+        weights = replace(params.solid.weights, **{term: 0.0})
+        return replace(solid_, solid=replace(params.solid, weights=weights))
+
+    return {
+        "always a solid": solid_,
+        "no forces (prior normals), as a solid": without("normal"),
+        "no smoothing (bending), as a solid": without("bending"),
+        "convex refinement, as a solid": replace(solid_, refine="convex"),
+        "patches in the prior, as a solid": replace(solid_, use_patches="prior"),
+    }
+
+
+def measured(case: Case, shelf: Library, params: Inference, only: Sequence[str] = ()) -> dict[str, list[float]]:
+    """[N-MAE, median, Z-MAE, seconds] of every method on a case, or of those `ablations` alone that are named."""
+    found = {name: [*errors_of(shape, case), np.nan] for name, shape in baselines(case.mask).items()}
+    if not only:
+        found |= judged(case, shelf, params, found["inflation"][0])
+    for name, asked in ablations(params).items():
+        if name not in found and (not only or name in only):
+            height = reconstruct(case.colour, case.mask, shelf, asked).height
+            found[name] = [*errors_of(height, case), np.nan]
+    print(f"{case.name}: " + ", ".join(f"{k} {v[0]:.3f}" for k, v in found.items()), flush=True)
+    return found
+
+
+def judged(case: Case, shelf: Library, params: Inference, inflation: float) -> dict[str, list[float]]:
+    """The same of ours and of what comes with it, and of ours when the rim or the map is told; `inflation` is its
+    N-MAE.
+    """
     started = time.monotonic()
     ours = reconstruct(case.colour, case.mask, shelf, params)
     seconds = time.monotonic() - started
-    shapes = baselines(case.mask) | {"ours": ours.height, "contour only": ours.prior}
+    shapes = {"ours": ours.height, "contour only": ours.prior}
     if ours.solid_height is not None:
         shapes["always a solid"] = ours.solid_height
     if ours.sheet_height is not None:
         shapes["always a sheet"] = ours.sheet_height
-    errors = {name: errors_of(shape, case) for name, shape in shapes.items()}
-    rim = "sheet" if errors_of(params.sheet.relief * shapes["inflation"], case)[0] < errors["inflation"][0] else "solid"
-    told = reconstruct(case.colour, case.mask, shelf, replace(params, rim=rim))
-    errors["true rim"] = errors_of(told.height, case)
-    errors["true map, as a solid"] = errors_of(true_map(case, params), case)
-    refined = reconstruct(case.colour, case.mask, shelf, replace(params, rim="solid", refine="convex"))
-    errors["convex refinement, as a solid"] = errors_of(refined.height, case)
-    asked = reconstruct(case.colour, case.mask, shelf, replace(params, rim="solid", use_patches="prior"))
-    errors["patches in the prior, as a solid"] = errors_of(asked.height, case)
-    found = {name: [*line, np.nan] for name, line in errors.items()}
-    found["ours"][3] = seconds
-    print(
-        f"{case.name}: cut edge {ours.sheet:.2f}, " + ", ".join(f"{k} {v[0]:.3f}" for k, v in found.items()), flush=True
-    )
-    return found
+    flattened = errors_of(params.sheet.relief * grid.inflate(case.mask), case)[0]
+    told = replace(params, rim="sheet" if flattened < inflation else "solid")
+    shapes["true rim"] = reconstruct(case.colour, case.mask, shelf, told).height
+    shapes["true map, as a solid"] = true_map(case, params)
+    return {name: [*errors_of(shape, case), seconds if name == "ours" else np.nan] for name, shape in shapes.items()}
 
 
 def errors_of(shape: np.ndarray, case: Case) -> list[float]:
@@ -158,20 +182,22 @@ def summary(study: str, rows: dict[str, dict[str, list[float]]]) -> list[list[st
 
 
 def per_group(rows: dict[str, dict[str, list[float]]], groups: dict[str, str]) -> list[list[str]]:
-    """A line an object (or material): N-MAE in radians of flat, inflation and ours."""
-    lines = []
+    """A line an object (or material): N-MAE in radians of the methods of `EACH` that are there."""
+    methods, lines = each_of(rows), []
     for group in dict.fromkeys(groups.values()):
         mine = [rows[name] for name in rows if groups[name] == group]
         lines.append(
             [
                 group,
-                *(
-                    number(float(np.mean([row[m][0] for row in mine])))
-                    for m in ("flat", "inflation", "ours", "true rim", "true map, as a solid")
-                ),
+                *(number(float(np.mean([row[m][0] for row in mine]))) for m in methods),
             ]
         )
     return lines
+
+
+def each_of(rows: dict[str, dict[str, list[float]]]) -> list[str]:
+    """The methods that are shown for each object."""
+    return [m for m in EACH if all(m in row for row in rows.values())]
 
 
 def write(
@@ -198,14 +224,15 @@ def write(
     parts += [
         section(
             "Each object",
-            table(("Object", "flat", "inflation", "ours", "true rim", "true map, as a solid"), per_group(rows, groups)),
+            table(("Object", *each_of(rows)), per_group(rows, groups)),
             lead="N-MAE, rad.",
         ),
     ]
-    ours = [row["ours"][3] for row in rows.values()]
-    verdict = f"{len(rows)} pictures; {np.median(ours):.1f} s each on the median, {max(ours):.1f} s at most."
+    verdict = f"{len(rows)} pictures"
+    if seconds := [row["ours"][3] for row in rows.values() if "ours" in row]:
+        verdict += f"; {np.median(seconds):.1f} s each on the median, {max(seconds):.1f} s at most"
     atomic.write_text(
-        folder / "index.html", page(f"Surfaces from one picture: {study}", "experiments/brdf", verdict, *parts)
+        folder / "index.html", page(f"Surfaces from one picture: {study}", "experiments/brdf", verdict + ".", *parts)
     )
 
 
@@ -262,6 +289,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
     parser.add_argument("-o", "--output", type=Path, required=True)
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--only", nargs="+", default=(), choices=tuple(ablations(Inference())), help="these alone")
     given = parser.parse_args()
     arrays = h5.read(given.library, "brdf-library").arrays
     if given.study == "materials":
@@ -276,7 +304,7 @@ def main() -> None:
         return
     rows, groups, kinds = {}, {}, {}
     for case in cases(given.study, given.data, shelf, arrays["is_metal"] > 0, given.quick):
-        rows[case.name], groups[case.name] = measured(case, shelf, Inference()), case.group
+        rows[case.name], groups[case.name] = measured(case, shelf, Inference(), given.only), case.group
         kinds[case.name] = case.kind
     write(given.output, given.study, rows, groups, kinds)
 

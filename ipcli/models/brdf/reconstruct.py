@@ -109,10 +109,9 @@ def _solid(picture: _Sizes, params: Inference) -> tuple[Shape, float]:
     """The relief that is asked for, and by how much the picture prefers it to the other one."""
     convex = solid(picture.fine, params.solid)
     concave = solid(picture.fine, params.solid, prior=-picture.fine.inflated)
-    if params.use_patches == "prior":
-        convex, concave = (_with_patches(picture.fine, params, shape) for shape in (convex, concave))
     first, other = (concave, convex) if _takes_concave(params.relief, convex) else (convex, concave)
-    return first, (other.energy - first.energy) / max((other.energy + first.energy) / 2, 1e-12)
+    tie = (other.energy - first.energy) / max((other.energy + first.energy) / 2, 1e-12)
+    return _with_patches(picture.fine, params, first) if params.use_patches == "prior" else first, tie
 
 
 def _with_patches(picture: Pictured, params: Inference, shape: Shape) -> Shape:
