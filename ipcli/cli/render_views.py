@@ -17,7 +17,7 @@ from ipcli.stages.fusion.parameters import RenderViews
 @options.parameters(RenderViews)
 @options.common
 def main(mesh: Path, output: Path, params: RenderViews, run: Run) -> None:
-    """Render depth maps of MESH (PLY or OBJ) along a camera path, with noise if wanted; the true depth stays
+    """Render depth maps of MESH (.ply .obj .off) along a camera path, with noise if wanted; the true depth stays
     with them.
     """
     from ipcli.stages.fusion import render_views

@@ -18,7 +18,8 @@ from ipcli.stages.saliency.parameters import SaliencyPredict
 @options.parameters(SaliencyPredict)
 @options.common
 def main(source: Path, output: Path, model: Path | None, params: SaliencyPredict, run: Run) -> None:
-    """Predict where people look in SOURCE: a picture or a folder of them, a mesh (.ply .obj .stl .glb), a cloud (.ply).
+    """Predict where people look in SOURCE: a picture or a folder of them, a mesh (.ply .obj .off .stl .glb) or a cloud
+    (.ply).
 
     Pictures of a folder that cannot be read are named at the end, when the others are done; the exit code is then 1.
     """

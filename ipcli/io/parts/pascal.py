@@ -10,6 +10,7 @@ import numpy as np
 
 from ipcli.errors import FormatError
 from ipcli.io.files.guarded import ParserFailed, guarded
+from ipcli.memory import told
 
 MOST_NAMED = 20  # objects that a message names
 MOST_BYTES = 200_000_000  # of the file
@@ -20,8 +21,10 @@ def read(path: Path, which: int = 0) -> tuple[tuple[str, ...], np.ndarray]:
     """Names of the parts of object number `which` and its labels (h, w) int16; smaller parts lie on larger ones, and
     what no part covers of the object is "rest". Raises FormatError.
     """
-    if not path.is_file() or path.stat().st_size > MOST_BYTES:
-        raise FormatError(path, "no file, or too large", expected=f"at most {MOST_BYTES} bytes")
+    if not path.is_file():
+        raise FormatError(path, "no such file", fix="Check the path")
+    if path.stat().st_size > MOST_BYTES:
+        raise FormatError(path, "too large for annotations", expected=f"at most {told(MOST_BYTES)}")
     try:
         return guarded(parse, str(path), which, memory=MOST_MEMORY)
     except ParserFailed as error:

@@ -36,15 +36,15 @@ class Cells:
     Each point holds the confidences of all maps that agree on it already, so that they are not summed once more here.
     """
 
-    def __init__(self, spacing: float):
-        self._spacing = spacing
+    def __init__(self, spacing: float, most: int | None = None):
+        self._spacing, self._most = spacing, most
         self._parts: list[
             tuple[np.ndarray, SurfacePoints]
         ] = []  # (cell of each point, points); the first one is averaged
         self._averaged = self._waiting = 0
 
     def add(self, points: SurfacePoints) -> None:
-        """Average these points in. ParameterError for a spacing too fine for the extent."""
+        """Average these points in. ParameterError for a spacing too fine for the extent or for `most` points."""
         cells = np.floor(points.position / self._spacing) + CELLS // 2
         if len(cells) and not 0 <= cells.min() <= cells.max() < CELLS:
             raise ParameterError(
@@ -88,6 +88,11 @@ class Cells:
         )
         self._parts = [(key[order][starts], averaged)]
         self._averaged, self._waiting = len(total), 0
+        if self._most is not None and self._averaged > self._most:
+            raise ParameterError(
+                f"merge.spacing: {self._spacing:g} makes a cloud of more than {self._most} points, which does not fit "
+                "into --max-memory: give more, or raise that"
+            )
 
 
 def concatenate(parts: list[SurfacePoints]) -> SurfacePoints:

@@ -93,6 +93,20 @@ def _pose_warnings(others: Sequence[View], reference: View, baseline: float) -> 
 
 def shift_warnings(views: Sequence[View], reference: View) -> list[str]:
     """That the views of a sequence agree better if each has the pose of the one after it, or of the one before."""
+    found = [(then, now, word) for then, now, word in shifted(views, reference) if then * SHIFT_BETTER < now]
+    if not found:
+        return []
+    then, now, word = min(found)
+    return [
+        f"neighbouring views disagree by {100 * now:.2g} % of the depth, but by {100 * then:.2g} % if each has the "
+        f"pose of the view {word} it: the names or numbers of the poses seem to be shifted against those of the images"
+    ]
+
+
+def shifted(views: Sequence[View], reference: View) -> list[tuple[float, float, str]]:
+    """The disagreement of the neighbours of the reference if each has the pose of the view after it and before it, that
+    with its own, and "after" or "before"; none for a sequence too short.
+    """
     at = next((k for k, view in enumerate(views) if view.name == reference.name), None)
     if at is None or len(views) < 4:
         return []
@@ -104,16 +118,8 @@ def shift_warnings(views: Sequence[View], reference: View) -> list[str]:
             continue
         moved = {k: replace(views[k], cam_from_world=views[k + shift].cam_from_world) for k in near}
         now = disagreement([views[k] for k in near if k != at], reference)
-        then = disagreement([moved[k] for k in near if k != at], moved[at])
-        if then * SHIFT_BETTER < now:
-            found.append((then, now, word))
-    if not found:
-        return []
-    then, now, word = min(found)
-    return [
-        f"neighbouring views disagree by {100 * now:.2g} % of the depth, but by {100 * then:.2g} % if each has the "
-        f"pose of the view {word} it: the names or numbers of the poses seem to be shifted against those of the images"
-    ]
+        found.append((disagreement([moved[k] for k in near if k != at], moved[at]), now, word))
+    return found
 
 
 def centre_warnings(views: Sequence[View]) -> list[str]:

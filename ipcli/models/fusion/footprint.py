@@ -1,4 +1,6 @@
-"""How much memory a fusion takes, told from sizes alone before it starts, and the tiles in which it fits a limit.
+"""How much memory a fusion and the merge of fused maps take, told from sizes alone before they start.
+
+And in which tiles, or with how many maps at hand, they fit a limit.
 
 The figures are bytes a pixel of what is alive at the widest moment, counted in the code and held against the peak of
 real runs by `benchmarks.fusion.memory`.
@@ -6,9 +8,10 @@ real runs by `benchmarks.fusion.memory`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ipcli.measurements.accuracy import MAP_PIXELS, thinning
+from ipcli.models.fusion.cells import WAITING
 from ipcli.models.fusion.parameters import METHODS, Fusion
 from ipcli.models.fusion.tiles import EVERY, MARGIN
 
@@ -85,3 +88,48 @@ def side_within(size: FusionSize, fusion: Fusion, limit: int) -> int | None:
     smaller = [side for side in (SIDE, *SIDES) if not asked or side < asked]
     tried = [asked] if fusion.tile is not None else [asked, *smaller]
     return next((side for side in tried if footprint(size, fusion, side) <= limit), None)
+
+
+MERGING = 300_000_000  # bytes of the process that merges
+HELD = 40  # of a map at hand, a pixel: the map and its surface
+ASKED = 220  # of a map while others are asked about its pixels, and of what becomes of these
+POINT = 280  # a point of the cloud while points are averaged, those that wait included
+WRITTEN = 420  # a point of the cloud while artefact, PLY and pages are written
+
+
+@dataclass(frozen=True)
+class MergeSize:
+    """What decides about the memory of a merge: the pixels of the largest map and of all, how many are merged at once
+    and are at hand beside, and how many others confirm a point.
+    """
+
+    largest: int
+    pixels: int
+    at_once: int
+    held: int
+    agree: int
+
+    def cells(self) -> int:
+        """Points of the cloud, at most: a place is seen by those who confirm it too."""
+        return self.pixels // (self.agree + 1)
+
+    def footprint(self, cells: int) -> int:
+        """Bytes at the peak of a merge whose cloud has so many points."""
+        waiting = min(max(WAITING, cells) + self.at_once * self.largest, self.pixels)
+        merging = max(self.at_once * self.largest * ASKED, (cells + waiting) * POINT)
+        return max(MERGING + self.held * self.largest * HELD + merging, PUBLISHING + cells * WRITTEN)
+
+    def most_cells(self, limit: int) -> int:
+        """How many points of the cloud fit into a limit in bytes."""
+        low, high = 0, self.pixels + 1
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (middle, high) if self.footprint(middle) <= limit else (low, middle)
+        return low
+
+    def within(self, limit: int) -> MergeSize:
+        """With as many maps at hand as a limit in bytes allows, but for each that is merged one that it asks."""
+        held = self.held
+        while held > 2 * self.at_once and replace(self, held=held).footprint(self.cells()) > limit:
+            held -= 1
+        return replace(self, held=held)

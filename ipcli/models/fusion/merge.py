@@ -85,13 +85,14 @@ def depth_noise(depth: np.ndarray, residuals: np.ndarray, *, inverse: bool) -> n
     return np.maximum(scale * shape, SMALLEST_NOISE * depth).astype(np.float32)
 
 
-def merge(maps: Sequence[FusedMap], settings: Merge) -> Cloud:
+def merge(maps: Sequence[FusedMap], settings: Merge, most: int | None = None) -> Cloud:
     """One cloud of the maps. The grid is fixed to the first camera, so that the choice of the world does not matter.
 
     A map is taken from the sequence whenever it is asked, so that one that reads them anew bounds the memory: a map and
     one that it asks a thread, and the points of the cloud.
 
-    Raises NoSolution if nothing is confirmed by enough maps, ParameterError for a spacing too fine for the extent.
+    Raises NoSolution if nothing is confirmed by enough maps, ParameterError for a spacing too fine for the extent or
+    for a cloud of `most` points.
     """
     order = range(len(maps))
     glances = threads.each(lambda i: Glance.at(maps[i]), order)
@@ -104,7 +105,7 @@ def merge(maps: Sequence[FusedMap], settings: Merge) -> Cloud:
         points, count = confirmed(maps[i], others, settings)
         return points.transform(first @ np.linalg.inv(glances[i].cam_from_world)), count
 
-    cells, counts, at_once = Cells(spacing), [], threads.count()
+    cells, counts, at_once = Cells(spacing, most), [], threads.count()
     for start in range(0, len(maps), at_once):
         for points, count in threads.each(found, order[start : start + at_once]):
             cells.add(points)

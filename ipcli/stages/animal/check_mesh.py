@@ -10,6 +10,6 @@ from ipcli.models.animal.soundness import soundness
 
 
 def check(path: Path) -> dict[str, Any]:
-    """Facts of a mesh file (PLY, OBJ, STL, GLB); FormatError when it cannot be read."""
+    """Facts of a mesh file (PLY, OBJ, OFF, STL, GLB); FormatError when it cannot be read."""
     vertices, faces = mesh.read_joined(path)
     return {"mesh": str(path), **soundness(vertices, faces)}

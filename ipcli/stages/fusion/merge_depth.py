@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache, partial
 from pathlib import Path
@@ -15,6 +17,7 @@ from ipcli.models.fusion.holes import SEEN
 from ipcli.models.fusion.merge import Cloud, FusedMap, depth_noise, merge
 from ipcli.params import Run
 from ipcli.stages.fusion.exports import write_turnable_cloud
+from ipcli.stages.fusion.memory_plan import MergePlan
 from ipcli.stages.fusion.parameters import MergeDepth
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page, turning_page
@@ -32,7 +35,6 @@ NEEDED = {
     "view_residual",
     "domain",
 }
-SPARE = 8  # maps held beyond the neighbours of one
 
 
 def run(files: Sequence[Path], output: Path, params: MergeDepth, run: Run) -> Outcome:
@@ -51,11 +53,17 @@ def run(files: Sequence[Path], output: Path, params: MergeDepth, run: Run) -> Ou
     beside[turning_page(output)] = partial(write_turnable_cloud, f"merge-depth: {output.with_suffix('.h5').name}")
     job = Job(output.with_suffix(".h5"), "fusion-cloud", "merge-depth", params, inputs, beside)
 
-    def build() -> dict[str, np.ndarray]:
-        unit, maps = read_unit(inputs), MapsOnDemand(inputs, held=params.merge.neighbours + SPARE)
-        return cloud_arrays(merge(maps, params.merge), inputs, unit)
+    plan = MergePlan.of([pixels_of(path) for path in inputs], params.merge)
 
-    return make(job, build, run)
+    def build() -> dict[str, np.ndarray]:
+        plan.say(output.name)
+        unit, maps = read_unit(inputs), MapsOnDemand(inputs, held=plan.size.held)
+        return cloud_arrays(merge(maps, params.merge, plan.most_points), inputs, unit)
+
+    outcome = make(job, build, run)
+    if outcome is Outcome.WOULD_RUN:
+        plan.say(output.name, logging.WARNING)
+    return outcome
 
 
 @of_result
@@ -84,6 +92,15 @@ class MapsOnDemand(Sequence[FusedMap]):
 
     def __getitem__(self, index: Any) -> Any:
         return self._read(self._files[index])
+
+
+def pixels_of(path: Path) -> int:
+    """The pixels of the fused map in a file, whose data are left unread."""
+    header = h5.peek(path)
+    if header.kind != "fused-depth":
+        fix = "Give the files of fuse-depth --all"
+        raise FormatError(path, "wrong kind of artefact", expected="fused-depth", got=header.kind, fix=fix)
+    return math.prod(header.datasets["depth"].shape)
 
 
 def read_unit(files: Sequence[Path]) -> str:

@@ -7,9 +7,11 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from benchmarks.fusion import baselines, cloud, problem, scaling, scene, solver, solvers, tsdf
+from benchmarks.fusion import baselines, cloud, problem, scaling, scene, shifts, solver, solvers, tsdf
 from ipcli.io.files import h5
 from ipcli.io.views import artefact
+from ipcli.measurements.views import View
+from tests.fixtures import fusion_scenes
 
 
 @pytest.fixture(scope="module")
@@ -163,3 +165,19 @@ def test_the_growth_has_all_its_rows(tmp_path):
     assert not any("failed" in row for row in cases)
     assert len(growth) == 6
     assert [row["threads"] for row in bandwidth] == [1, 2]
+
+
+def test_the_gains_of_shifted_poses_are_those_that_the_warning_goes_by(tmp_path):
+    intrinsics, views = fusion_scenes.camera((60, 80)), []
+    turns = np.random.default_rng(0).normal(0, 0.06, 16)  # a camera that moves evenly shows no shift
+    for k, turn in enumerate(turns):
+        pose = fusion_scenes.pose_at((0.05 * k, 0.0, 0.0), turn)
+        depth = fusion_scenes.cast((60, 80), intrinsics, pose).astype(np.float32)
+        views.append(View(f"{k:02d}", depth, intrinsics, pose))
+    found = shifts.row(views[:8], 1)
+    assert found["sound, greatest"] < 1 < found["shifted, least"]
+    assert 0.8 < found["shifted, warned of"] <= 1
+    h5.write(tmp_path / "a.views.h5", "views", artefact.views_arrays(views, unit="m", measured="depth"), {})
+    shifts.main([str(tmp_path / "a.views.h5"), "--quick", "--output", str(tmp_path)])
+    (rows,) = json.loads((tmp_path / "fusion_shifts.json").read_text())["tables"].values()
+    assert [row["every"] for row in rows] == [3]

@@ -88,3 +88,10 @@ def test_moved_points_are_turned_and_shifted():
     np.testing.assert_allclose(back.position, points.position, atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(points.transform(motion).normal, axis=1), 1)
     assert np.abs(points.transform(motion).normal - points.normal).max() > 0.1
+
+
+def test_a_cloud_that_grows_too_large_is_refused_with_the_cure(monkeypatch):
+    monkeypatch.setattr(cells, "WAITING", 0)
+    found = Cells(SPACING, most=50)
+    with pytest.raises(ParameterError, match=r"merge.spacing: 0.25 makes a cloud of more than 50 points.*--max-memory"):
+        found.add(some_points(np.random.default_rng(0), 400))

@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from ipcli.models.fusion.footprint import SIDE, SIDES, FusionSize, footprint, side_by_size, side_within
+from ipcli.models.fusion import footprint as footprint_module
+from ipcli.models.fusion.footprint import SIDE, SIDES, FusionSize, MergeSize, footprint, side_by_size, side_within
 from ipcli.models.fusion.parameters import Fusion
 
 LARGE = FusionSize((3650, 5480), 8, 3, at_once=2)
@@ -30,11 +31,59 @@ else:
 print(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1])
 """
 
+MERGE = """
+import re, sys
+from pathlib import Path
+import numpy as np
+from ipcli.geometry.surface import normals
+from ipcli.models.fusion.merge import FusedMap, merge
+from ipcli.models.fusion.parameters import Merge
+from tests.fixtures.fusion_scenes import camera, cast, pose_at
+shape, held = {shape}, {{}}
+def one(k):
+    intrinsics, pose = camera(shape), pose_at((0.04 * (k - 2), 0.01 * (k % 2), 0.0), 0.02 * (k - 2))
+    depth = cast(shape, intrinsics, pose).astype(np.float32)
+    facing, noise = normals(depth, intrinsics).astype(np.float32), np.full(shape, 0.01, np.float32)
+    seen, color = np.full(shape, 5, np.uint16), np.zeros((*shape, 3), np.uint8)
+    return FusedMap(depth, np.ones(shape, np.float32), seen, facing, noise, intrinsics, pose, color)
+cloud = merge([one(k) for k in range({maps})], Merge())
+print(len(cloud.points.views), re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1])
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not os.path.exists("/proc/self/status"), reason="the peak is read from /proc")
+def test_the_estimate_holds_the_peak_of_a_real_merge_and_is_near_it():
+    shape, maps = (800, 1000), 5
+    code = MERGE.format(shape=shape, maps=maps)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    points, peak = (int(number) for number in done.stdout.split())
+    size = MergeSize(shape[0] * shape[1], maps * shape[0] * shape[1], 2, maps, 2)
+    assert points < size.cells()
+    assert 1024 * peak < 1.05 * size.footprint(points)
+    assert size.footprint(points) < 1.6 * 1024 * peak
+
+
+def test_a_merge_holds_fewer_maps_and_a_smaller_cloud_where_memory_is_short():
+    size = MergeSize(5_000_000, 100_000_000, 2, 20, 2)
+    assert size.within(10**12) == size
+    tight = size.within(size.footprint(size.cells()) - 1)
+    assert 4 <= tight.held < size.held
+    assert tight.footprint(size.cells()) < size.footprint(size.cells())
+    assert size.within(10**8).held == 4
+    limit = size.footprint(10**6)
+    assert size.most_cells(limit) >= 10**6
+    assert size.footprint(size.most_cells(limit)) <= limit < size.footprint(size.most_cells(limit) + 1)
+    assert size.most_cells(0) == 0
+    assert replace(size, agree=5).cells() < size.cells()
+
 
 @pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/proc/self/status"), reason="the peak is read from /proc")
 @pytest.mark.parametrize("side", [0, 256])
-def test_the_estimate_holds_the_peak_of_a_real_fusion_and_is_near_it(side):
+def test_the_estimate_holds_the_peak_of_a_real_fusion_and_is_near_it(side, monkeypatch):
+    monkeypatch.setattr(footprint_module, "PUBLISHING", footprint_module.PROCESS)  # neither mesh nor page is made here
+    monkeypatch.setattr(footprint_module, "PICTURED", 0)
     shape, views = (1000, 1600), 4
     code = CHILD.format(views=views, shape=shape)
     done = subprocess.run([sys.executable, "-c", code, str(side)], capture_output=True, text=True, check=True)

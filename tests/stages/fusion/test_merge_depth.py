@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ipcli import schema
+from ipcli import memory, schema
 from ipcli.cli.main import main
-from ipcli.errors import FormatError, OutputExists, ParameterError
+from ipcli.errors import FormatError, IpcliError, OutputExists, ParameterError
 from ipcli.inverse.regularize.parameters import Solver
 from ipcli.io.files import h5, ply
+from ipcli.models.fusion import footprint
 from ipcli.models.fusion.merge import merge
 from ipcli.models.fusion.parameters import Fusion, Merge
 from ipcli.params import Run
@@ -70,6 +71,31 @@ def test_a_cloud_without_colours_is_shown_in_clay(cloud):
     shown = page(plain, artefact.provenance)
     assert "<img" in shown
     assert shown != cloud.with_suffix(".html").read_text()
+
+
+def test_the_memory_is_told_before_and_fewer_maps_at_hand_give_the_same_cloud(
+    files, cloud, tmp_path, monkeypatch, caplog
+):
+    assert merge_depth.run(files, tmp_path / "x.ply", MergeDepth(), Run(dry_run=True)) is Outcome.WOULD_RUN
+    (said,) = [record.getMessage() for record in caplog.records if "maps" in record.getMessage()]
+    assert "x.ply: 7 maps, 0.0336 Mpx in all: at most " in said
+    monkeypatch.setattr(footprint, "HELD", 10_000)
+    monkeypatch.setattr(footprint, "PUBLISHING", 0)
+    monkeypatch.setattr(memory, "budget", lambda: 300_000_000 + 4 * 4800 * 10_000 + 2 * 33600 * footprint.POINT)
+    caplog.clear()
+    merge_depth.run(files, tmp_path / "x.ply", MergeDepth(), Run())
+    assert contents(tmp_path / "x.ply") == contents(cloud)
+    (said,) = [record.getMessage() for record in caplog.records if "maps" in record.getMessage()]
+    assert "with 4 maps at hand in place of 7" in said
+    monkeypatch.setattr(memory, "budget", lambda: 310_000_000)
+    with pytest.raises(IpcliError, match=r"7 maps of up to 0.0048 Mpx take 5.*--max-memory is 310 MB. Raise it"):
+        merge_depth.run(files, tmp_path / "y.ply", MergeDepth(), Run())
+
+
+def test_views_are_no_maps(tmp_path):
+    source = write(tmp_path / "a.views.h5", scene(2))
+    with pytest.raises(FormatError, match=r"wrong kind of artefact.*fused-depth.*fuse-depth --all"):
+        merge_depth.run([source], tmp_path / "x.ply", MergeDepth(), Run())
 
 
 def test_the_order_of_the_files_does_not_matter(files, cloud, tmp_path):
