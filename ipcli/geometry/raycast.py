@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipcli.geometry import open3d
+from ipcli.geometry import meshes, open3d
 from ipcli.geometry.cameras import rays
 
 DISTANCE = 3.0  # of the orbiting camera from the centre of an object of radius 1
 STEP = 2 * np.pi / 72  # of the orbit, radians
 HEIGHT = 300.0  # of the flying camera above the lowest point of the scene
 LOOKING = np.diag([1.0, -1.0, -1.0])  # cam_from_world rotation: against world z, world y up in the image
+BEFORE = 4.0  # from where lines start that are looked along as a whole, in units of the mesh
 BACKGROUND = 255  # grey level of the image where there is no surface
 
 
@@ -31,6 +32,7 @@ class Caster:
 
     def __init__(self, mesh: Mesh) -> None:
         self._core = open3d.load().core
+        self._across = meshes.across(mesh.vertices, mesh.faces)
         self._scene = open3d.load().t.geometry.RaycastingScene()
         self._scene.add_triangles(
             self._core.Tensor(np.ascontiguousarray(mesh.vertices, np.float32)),
@@ -73,6 +75,24 @@ class Caster:
         weights = np.concatenate([1 - uv.sum(axis=-1, keepdims=True), uv], axis=-1)
         triangle = np.where(np.isfinite(away), hit["primitive_ids"].numpy().astype(np.int64), -1)
         return height, triangle, weights, hit["primitive_normals"].numpy().astype(np.float64)
+
+    def deepest(self, points: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """The longest stretch (n,) inside the closed mesh, which lies within 1 of the origin, of whole lines through
+        points (n, 3) in unit directions (n, 3).
+        """
+        start = points - ((points * directions).sum(axis=-1, keepdims=True) + BEFORE) * directions
+        found = self._scene.list_intersections(self._core.Tensor(self._packed(start, directions)))
+        ray, face, along = (found[key].numpy() for key in ("ray_ids", "primitive_ids", "t_hit"))
+        order = np.lexsort((along, ray))
+        ray, face, along = ray[order], face[order], along[order]
+        enters = np.where((self._across[face] * directions[ray]).sum(axis=-1) < 0, 1, -1)
+        wound = np.cumsum(enters)  # of all rays so far
+        first = np.searchsorted(ray, ray)
+        inside = (wound - wound[first] + enters[first])[:-1] > 0
+        stretch = np.where(inside & (ray[1:] == ray[:-1]), np.diff(along), 0.0)
+        deepest = np.zeros(len(points))
+        np.maximum.at(deepest, ray[:-1], stretch)
+        return deepest
 
     @staticmethod
     def _packed(origin: np.ndarray, directions: np.ndarray) -> np.ndarray:

@@ -84,7 +84,7 @@ def turnable(
     if len(faces) > most_faces:
         vertices, faces, face_part = lighter(vertices, faces, face_part, most_faces)
     upright = np.ascontiguousarray(vertices[:, [1, 2, 0]])  # y up, as viewers have it
-    legend = {name: colour(part) for part, name in enumerate(names)}
+    legend = {name: colour(part) for part, name in enumerate(names) if part in face_part}
     start = turntable.looking_from(upright, np.array([1.0, 0.35, 0.7]))
     scene = scene_of(upright, faces, face_part, names, "model")
     return turntable.turning_page(scene, title, "The model by its parts:", legend, from_camera=start)

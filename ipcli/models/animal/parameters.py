@@ -9,6 +9,7 @@ from ipcli.params import option
 LOADS = ("sqrt-poisson", "steep", "printed", "constant")
 MERGES = ("hull", "clip", "union")
 FIELDS = ("sdf", "ipf")
+SEARCHES = ("image", "view", "twopoint", "hybrid")
 OTHER_POSES = ("bend", "ignore")
 METHODS = ("primal-dual", "irls")
 GROUPS = ("similarity", "affine")
@@ -68,6 +69,13 @@ class Modelling:
 
     inflation: Inflation = field(default_factory=Inflation)
     volume: Volume = field(default_factory=Volume)
+    search: str = option(
+        "image",
+        "How the camera of an image without a view is found: image, by all labels at once; else part by part: view, by "
+        "silhouettes; twopoint, by the thesis' energy; hybrid, by silhouettes among the views of least energy.",
+        flag="--search",
+        choices=SEARCHES,
+    )
     other_pose: str = option(
         "bend",
         "Images of another pose: a model of them is bent into the reference pose to give the parts their shape.",

@@ -9,7 +9,7 @@ import numpy as np
 
 from ipcli.geometry.orthographic import Orthographic, named
 from ipcli.measurements.part_images import PartImage, PartTree
-from ipcli.models.animal import whole
+from ipcli.models.animal import by_parts, whole
 from ipcli.models.animal.cameras import align
 from ipcli.models.animal.parameters import Modelling
 from ipcli.models.animal.search import cloud_of, find_camera, known_outlines
@@ -46,6 +46,9 @@ def placed(
         others = [other for other in order if other in cameras and other != k]
         seen, known = [images[o] for o in others], [cameras[o] for o in others]
         surface = whole.model(seen, known, tree, rough)
+        if params.search != "image":
+            cameras[k] = by_parts.find_camera(images[k], surface, list(zip(seen, known, strict=True)), params.search)
+            continue
         cloud = cloud_of(surface.vertices, surface.faces, surface.face_part)
         cameras[k], _ = find_camera(images[k], cloud, known_outlines(seen, known))
     return [cameras[k] for k in range(len(images))]

@@ -170,6 +170,8 @@ class Fitting:
 
     def placed(self, pose: Posture, samples: Samples, part: int, rough: JointedBody) -> Posture:
         """The pose with one part turned so that it fits best, tried in all directions."""
+        from scipy.spatial.transform import Rotation
+
         body = self.body
         first = _first(body, part)
         own = samples.of_parts([part])
@@ -186,7 +188,7 @@ class Fitting:
                 directions.insert(0, told / np.linalg.norm(told))
         is_long = (body.part == part).sum() > 1
         tried = [
-            lie.exp(twist * np.asarray(d)) @ _between(parent @ axis, np.asarray(d)) @ parent
+            lie.exp(twist * np.asarray(d)) @ Rotation.align_vectors(d, parent @ axis)[0].as_matrix() @ parent
             for d in directions
             for twist in ((0.0,) if is_long else TWISTS)
         ]
@@ -360,15 +362,3 @@ def _nearest(pixels: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray
     squared = (pixels**2).sum(axis=1)[:, None] - 2 * pixels @ at.T + (at**2).sum(axis=1)
     nearest = squared.argmin(axis=1)
     return nearest, np.linalg.norm(pixels - at[nearest], axis=1)
-
-
-def _between(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """The smallest rotation (3, 3) that turns one unit vector to another."""
-    axis = np.cross(first, second)
-    sine, cosine = np.linalg.norm(axis), float(first @ second)
-    if sine < 1e-9:
-        if cosine > 0:
-            return np.eye(3)
-        other = np.cross(first, np.eye(3)[np.argmin(np.abs(first))])
-        return lie.exp(np.pi * other / np.linalg.norm(other))
-    return lie.exp(np.arctan2(sine, cosine) * axis / sine)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ipcli.report.animal import surfaces
 from ipcli.report.kit import pictures
-from ipcli.report.kit.numbers import percent
+from ipcli.report.kit.numbers import counted, percent
 from ipcli.report.kit.page import (
     TURNED,
     Markup,
@@ -58,10 +58,13 @@ def _warnings(texts: list[str]) -> Markup:
 def _verdict(arrays: Mapping[str, np.ndarray]) -> str:
     fits = arrays["overlaps"]
     unseen = float((arrays["seen_by"] == 0).mean())
+    parts = counted(len(np.unique(arrays["face_part"])), "part")
+    least = percent(float(fits.min()))
+    where = f"{least} of its pixels" if len(fits) == 1 else f"{least} or more of the pixels of each"
     return (
-        f"One closed surface of {len(np.unique(arrays['face_part']))} parts and {len(arrays['faces'])} faces from "
-        f"{len(fits)} images; the model shows the right part in {percent(float(fits.min()))} or more of the pixels of "
-        f"each. {percent(unseen)} of its vertices were seen by no image: there it is a guess."
+        f"One closed surface of {parts} and {len(arrays['faces'])} faces from {counted(len(fits), 'image')}; the model "
+        f"shows the right part in {where}. {percent(unseen)} of its vertices were seen by no image: there it is a "
+        "guess."
     )
 
 
@@ -82,23 +85,32 @@ def _turning(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
 
 
 def _legend(arrays: Mapping[str, np.ndarray]) -> Markup:
+    present = np.isin(np.arange(len(arrays["parts"])), arrays["face_part"])
+    names = arrays["parts"].tolist()
     swatches = [
         element("span", element("b", "■ ", style=f"color:{colour}"), name, style="margin-right:1.2em")
-        for name, colour in surfaces.legend(arrays["parts"].tolist())
+        for (name, colour), is_there in zip(surfaces.legend(names), present, strict=True)
+        if is_there
     ]
-    return element("p", *swatches)
+    lost = [name for name, is_there in zip(names, present, strict=True) if not is_there]
+    return element("p", *swatches, f"Not in the model: {', '.join(lost)}." if lost else "")
 
 
 def _images(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
+    stems = [f"pictures/{number:03d}" for number in range(len(arrays["images"]))]
+    layers = [(arrays[f"{stem}/labels"], arrays[f"{stem}/rendered"], arrays.get(f"{stem}/picture")) for stem in stems]
+    drawn = surfaces.overlays(layers, arrays["scales"], min(LONGEST, widest))
     shown = []
     for number, name in enumerate(arrays["images"].tolist()):
-        stem = f"pictures/{number:03d}"
-        drawn = surfaces.overlay(arrays[f"{stem}/labels"], arrays[f"{stem}/rendered"], arrays.get(f"{stem}/picture"))
         view = str(arrays["views"][number]) or "view found from the masks"
         note = f"{view}; {percent(float(arrays['overlaps'][number]))} of the pixels agree"
-        shown.append(figure(photograph(drawn, widest), name, note))
-    lead = "The masks as they were given; black: the outlines of the model's parts, seen by the camera that was found."
-    return section("Over its images", gallery(*shown, columns=max(2, min(4, len(shown)))), lead=lead)
+        shown.append(figure(photograph(drawn[number], widest), name, note))
+    lead = (
+        "The masks as they were given, around the animal and at one scale; black: the outlines of the model's parts, "
+        "seen by the camera that was found."
+    )
+    aspect = drawn[0].shape[1] / drawn[0].shape[0]
+    return section("Over its images", gallery(*shown, columns=columns_for(aspect, len(shown))), lead=lead)
 
 
 def _registered(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
@@ -132,7 +144,8 @@ def _unseen(arrays: Mapping[str, np.ndarray], widest: int) -> Markup:
     colours[seen == 0] = surfaces.UNSEEN
     shots = surfaces.turntable(arrays["vertices"].astype(np.float64), arrays["faces"], colours, 4, min(LONGEST, widest))
     shown = [figure(photograph(shot, widest), f"{(45 + 90 * k) % 360}°") for k, shot in enumerate(shots)]
-    lead = f"Grey: no image saw it. Dark to bright: 1 to {most} images."
+    scale = f"Dark to bright: 1 to {most} images." if most > 1 else "In colour: one image saw it."
+    lead = f"Grey: no image saw it. {scale}"
     return section("What the images saw", gallery(*shown, columns=4), lead=lead)
 
 

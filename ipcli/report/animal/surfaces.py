@@ -18,6 +18,7 @@ COLOURS = np.array(
 )  # fmt: skip
 BEHIND = (36, 38, 43)
 PAPER = (246, 245, 240)
+SPARE = 6  # pixels around an animal over its images
 UNSEEN = (150, 151, 156)
 LIGHT = np.array([-0.45, -0.65, -0.6]) / np.linalg.norm([-0.45, -0.65, -0.6])
 
@@ -49,11 +50,11 @@ def turntable(
     """Pictures from `count` places around, a little from above; all of one size."""
     pictures = [shaded(vertices, faces, colours, looking(45 + 360 * k / count, 15.0), longest) for k in range(count)]
     height, width = (max(picture.shape[axis] for picture in pictures) for axis in (0, 1))
-    return [_centred(picture, height, width) for picture in pictures]
+    return [_centred(picture, height, width, BEHIND) for picture in pictures]
 
 
-def _centred(picture: np.ndarray, height: int, width: int) -> np.ndarray:
-    canvas = np.full((height, width, 3), BEHIND, np.uint8)
+def _centred(picture: np.ndarray, height: int, width: int, ground: tuple[int, int, int]) -> np.ndarray:
+    canvas = np.full((height, width, 3), ground, np.uint8)
     top, left = (height - picture.shape[0]) // 2, (width - picture.shape[1]) // 2
     canvas[top : top + picture.shape[0], left : left + picture.shape[1]] = picture
     return canvas
@@ -71,6 +72,43 @@ def overlay(labels: np.ndarray, rendered: np.ndarray, picture: np.ndarray | None
     if picture is not None:
         ground = np.where((labels > 0)[..., None], 0.6 * picture + 0.4 * ground, picture)
     return np.where(borders(rendered)[..., None], 20, ground).astype(np.uint8)
+
+
+Layers = tuple[np.ndarray, np.ndarray, np.ndarray | None]
+
+
+def overlays(shown: Sequence[Layers], scales: np.ndarray, longest: int) -> list[np.ndarray]:
+    """The `overlay` of the layers of several images, cut to the animal, all of one size and at one scale.
+
+    `scales` (k,) are those of the images in pixels a unit of the world; the longest side takes `longest` pixels.
+    """
+    boxes = [_box((labels > 0) | (rendered > 0)) for labels, rendered, _ in shown]
+    most = max(max(side.stop - side.start for side in box) / s for box, s in zip(boxes, scales, strict=True))
+    drawn = []
+    for (labels, rendered, picture), box, scale in zip(shown, boxes, scales, strict=True):
+        factor = longest / (most * scale)
+        ground = None if picture is None else _enlarged(picture[box], factor)
+        drawn.append(overlay(_enlarged(labels[box], factor), _enlarged(rendered[box], factor), ground))
+    height, width = (max(picture.shape[axis] for picture in drawn) for axis in (0, 1))
+    return [_centred(picture, height, width, PAPER) for picture in drawn]
+
+
+def _box(mask: np.ndarray) -> tuple[slice, slice]:
+    """The box around a mask with some pixels to spare; that of the image where the mask is empty."""
+    found = np.nonzero(mask) if mask.any() else np.nonzero(~mask)
+    rows, columns = (
+        slice(max(int(at.min()) - SPARE, 0), min(int(at.max()) + SPARE + 1, count))
+        for at, count in zip(found, mask.shape, strict=True)
+    )
+    return rows, columns
+
+
+def _enlarged(layer: np.ndarray, factor: float) -> np.ndarray:
+    """A picture (h, w, 3), or labels (h, w), enlarged or shrunk by a factor; labels stay labels."""
+    import cv2
+
+    size = [max(1, round(factor * count)) for count in layer.shape[1::-1]]
+    return cv2.resize(layer, size, interpolation=cv2.INTER_NEAREST if layer.ndim == 2 else cv2.INTER_AREA)
 
 
 def borders(labels: np.ndarray) -> np.ndarray:

@@ -58,6 +58,11 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
     return f"{number(value, digits)}\N{NO-BREAK SPACE}{unit}" if unit else number(value, digits)
 
 
+def counted(number: int, noun: str) -> str:
+    """``1 image``, ``2 images``."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
 def percent(share: float) -> str:
     """A share of 1 as a percentage with at most three digits; what is not quite all never reads as 100 %."""
     if share != share:

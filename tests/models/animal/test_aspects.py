@@ -33,15 +33,17 @@ def test_a_disc_is_lifted_by_the_root_of_half():
     assert inflate(disc(40), TRIANGLES).picture.max() == pytest.approx(40 / np.sqrt(2), rel=0.02)
 
 
-@pytest.mark.parametrize("load", LOADS)
-def test_turning_a_mask_turns_its_shape(load):
-    """The same limb at 0 and at 45 degrees: the same volume and height within 2 %."""
-    params = Inflation(load=load, triangles=3000)
+@pytest.mark.parametrize(("load", "bending"), [*((load, 0.0) for load in LOADS), ("constant", 0.3)])
+def test_turning_a_mask_turns_its_shape(load, bending):
+    """The same limb at 0 and at 45 degrees: within 2 % of its volume the same heights, point by point."""
+    from scipy.ndimage import map_coordinates
+
+    params = Inflation(load=load, bending=bending, triangles=3000)
     masks = [strip(half=40.3, length=200, turn=t, size=300) for t in (0.0, np.pi / 4)]
-    straight, turned = (inflate(mask, params) for mask in masks)
-    wider = (masks[1].sum() / masks[0].sum()) ** (2 if load in ("printed", "constant") else 1)  # the raster's doing
-    assert turned.picture.max() == pytest.approx(wider * straight.picture.max(), rel=0.02)
-    assert turned.picture.sum() == pytest.approx(wider * straight.picture.sum(), rel=0.02)
+    straight, turned = (inflate(mask, params).picture for mask in masks)
+    v, u = (np.mgrid[:300, :300] - 149.5) * np.sqrt(0.5)
+    back = map_coordinates(turned, [u + v + 149.5, u - v + 149.5], order=1)
+    assert np.abs(back - straight).sum() < 0.02 * straight.sum()
 
 
 @pytest.mark.parametrize(("load", "power"), [("sqrt-poisson", 1), ("steep", 1), ("printed", 2), ("constant", 2)])

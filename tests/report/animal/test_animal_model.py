@@ -44,6 +44,21 @@ def test_the_page_says_how_well_it_fits_and_what_is_a_guess(arrays):
     assert "http" not in html.replace("http://www.w3.org", "")
 
 
+def test_one_image_one_view_and_a_part_that_is_lost_are_said_so(arrays):
+    one = {"images": ["left"], "views": ["left"], "overlaps": [0.91]}
+    single = arrays | {key: np.array(values) for key, values in one.items()}
+    single |= {key: arrays[key][:1] for key in ("rotations", "scales", "shifts", "part_overlaps")}
+    single |= {"face_part": np.where(arrays["face_part"] == 1, 0, arrays["face_part"])}
+    html = animal_model.page(single, {"digest": "d"})
+    assert "of 3 parts and" in html
+    assert "from 1 image; the model shows the right part in 91\N{NO-BREAK SPACE}% of its pixels." in html
+    assert "In colour: one image saw it." in html
+    assert "1 images" not in html
+    assert "Not in the model: head." in html
+    assert "■ </b>head" not in html
+    assert "■ </b>head" in animal_model.page(arrays, {"digest": "d"})
+
+
 def test_pictures_show_the_parts_in_their_colours(arrays):
     shown = surfaces.painted_labels(arrays["pictures/000/labels"])
     torso = arrays["pictures/000/labels"] == 1

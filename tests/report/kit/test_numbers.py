@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ipcli.report.kit import numbers
-from ipcli.report.kit.numbers import aligned, log_ticks, nice_step, number, percent, round_outwards, ticks
+from ipcli.report.kit.numbers import aligned, counted, log_ticks, nice_step, number, percent, round_outwards, ticks
 
 ranges = st.tuples(st.floats(-1e6, 1e6), st.floats(1e-6, 1e6)).map(lambda pair: (pair[0], pair[0] + pair[1]))
 
@@ -68,6 +68,10 @@ def test_rounded_limits_contain_the_range_and_little_more(limits):
 
 def test_columns_of_numbers_share_their_decimals():
     assert aligned([0.5, 0.0123, float("nan"), 12]) == ["0.5000", "0.0123", "—", "12.0000"]
+
+
+def test_one_is_singular():
+    assert [counted(number, "image") for number in (0, 1, 2)] == ["0 images", "1 image", "2 images"]
 
 
 def test_nearly_all_is_not_all():
