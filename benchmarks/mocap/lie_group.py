@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 
+from benchmarks.mocap.warping import mean_along, warping_path
 from ipcli.geometry import lie
 
 ROUNDS = 5  # of warping and averaging a nominal curve
+AXES_FROM = 1500  # frames, spread evenly over all, that the principal axes are those of
 QUARTER = 4  # one in so many Fourier coefficients of a segment is kept, the lowest
 
 
@@ -41,38 +42,10 @@ def relative_bones(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
     return np.concatenate([rotation, moved], axis=-1).reshape(len(starts), -1)
 
 
-@njit(cache=True)
-def warping_path(cost: np.ndarray) -> np.ndarray:
-    """The cheapest monotone path (p, 2) from corner to corner of costs (n, m), steps of one in either or both."""
-    n, m = cost.shape
-    total = np.full((n + 1, m + 1), np.inf)
-    total[0, 0] = 0.0
-    for i in range(n):
-        for j in range(m):
-            total[i + 1, j + 1] = cost[i, j] + min(total[i, j], total[i, j + 1], total[i + 1, j])
-    path = np.empty((n + m, 2), np.int64)
-    i, j, count = n - 1, m - 1, 0
-    while True:
-        path[count] = i, j
-        count += 1
-        if i == 0 and j == 0:
-            return path[:count][::-1]
-        both, above, beside = total[i, j], total[i, j + 1], total[i + 1, j]
-        if both <= above and both <= beside:
-            i, j = i - 1, j - 1
-        elif above <= beside:
-            i -= 1
-        else:
-            j -= 1
-
-
 def warped(curve: np.ndarray, nominal: np.ndarray) -> np.ndarray:
     """A curve (n, d) at the times of a nominal one (m, d): the mean of what is matched to each of them."""
     square = (curve**2).sum(axis=1)[:, None] + (nominal**2).sum(axis=1) - 2 * curve @ nominal.T
-    path = warping_path(np.sqrt(np.maximum(square, 0.0)))
-    found, count = np.zeros_like(nominal), np.bincount(path[:, 1], minlength=len(nominal))
-    np.add.at(found, path[:, 1], curve[path[:, 0]])
-    return found / count[:, None]
+    return mean_along(warping_path(np.sqrt(np.maximum(square, 0.0))), curve, len(nominal))
 
 
 def nominal_curve(curves: Sequence[np.ndarray]) -> np.ndarray:
@@ -105,26 +78,28 @@ class WarpedPyramid:
 
     def fit(self, clips: Sequence[np.ndarray], labels: np.ndarray) -> None:
         from sklearn.decomposition import PCA
-        from sklearn.svm import LinearSVC
+        from sklearn.svm import SVC
 
         self.classes, labels = np.unique(labels), np.asarray(labels)
         frames = np.concatenate([self._thinned(clip) for clip in clips])
-        self.turn = PCA(min(self.axes, *frames.shape), svd_solver="covariance_eigh").fit(frames)
+        frames = frames[:: max(1, len(frames) // AXES_FROM)]
+        self.turn = PCA(min(self.axes, *frames.shape), svd_solver="randomized", random_state=0).fit(frames)
         curves = self._curves(clips)
         self.nominal = [
             nominal_curve([curve for curve, label in zip(curves, labels, strict=True) if label == one])
             for one in self.classes
         ]
+        self.known = [self._described(curves, middle) for middle in self.nominal]
         self.models = [
-            LinearSVC(C=self.cost, random_state=0, max_iter=20_000).fit(self._described(curves, middle), labels == one)
-            for one, middle in zip(self.classes, self.nominal, strict=True)
+            SVC(C=self.cost, kernel="precomputed").fit(known @ known.T, labels == one)
+            for one, known in zip(self.classes, self.known, strict=True)
         ]
 
     def answer(self, clips: Sequence[np.ndarray]) -> np.ndarray:
         curves = self._curves(clips)
         margins = [
-            model.decision_function(self._described(curves, middle))
-            for model, middle in zip(self.models, self.nominal, strict=True)
+            model.decision_function(self._described(curves, middle) @ known.T)
+            for model, middle, known in zip(self.models, self.nominal, self.known, strict=True)
         ]
         return self.classes[np.argmax(margins, axis=0)]
 

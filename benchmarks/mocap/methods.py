@@ -1,14 +1,14 @@
-"""Ours, and what a user might take instead to name the action of a clip: each a `fit` on clips and labels and an answer
-to clips.
+"""What a user might take instead of ours to name the action of a clip: each a `fit` on clips and labels and an answer.
 
-A clip is an array (n, j, 3) of joint positions, from the root and turned to face one way; for ours (n, w), the features
-of all groups side by side. Those that work frame by frame give `frame_scores`, a list of (n, classes) log
-probabilities; the others name whole clips only. DMW (Gong & Medioni), which the thesis compares with, is not among them
-because no code of it is public: DTW-1NN stands in for it.
+A clip is an array (n, j, 3) of joint positions, from the root and turned to face one way; for what learns from ours'
+features (n, w), those of all groups side by side. Those that work frame by frame give `frame_scores`, a list of
+(n, classes) log probabilities; the others name whole clips only. DMW (Gong & Medioni), which the thesis compares with,
+is not among them because no code of it is public: DTW-1NN stands in for it.
 """
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from benchmarks.mocap.lie_group import WarpedPyramid
 from benchmarks.mocap.problem import by_group
+from benchmarks.mocap.warping import nearest
 
 Clips = Sequence[np.ndarray]
 
@@ -51,44 +52,39 @@ class NearestFrames(FrameWise):
     """k-NN on all joint positions; the votes of a clip's frames are averaged."""
 
     def __init__(self, k: int):
-        from sklearn.neighbors import KNeighborsClassifier
+        self.k = k
 
-        self.model = KNeighborsClassifier(k)
+    def fit(self, clips: Clips, labels: np.ndarray) -> None:
+        self.classes, each = np.unique(np.repeat(labels, [len(clip) for clip in clips]), return_inverse=True)
+        self.known, self.votes = together(clips), np.eye(len(self.classes))[each]
 
     def log_probabilities(self, frames: np.ndarray) -> np.ndarray:
-        return np.log(self.model.predict_proba(frames) + 1e-9)
+        return self._log_votes(self.known, frames)
 
     def pool(self, scores: np.ndarray) -> np.ndarray:
         return np.exp(scores).mean(axis=0)
 
+    def _log_votes(self, known: np.ndarray, frames: np.ndarray) -> np.ndarray:
+        return np.log(self.votes[nearest_frames(known, frames)[:, : self.k]].mean(axis=1) + 1e-9)
 
-class NearestMoves(FrameWise):
+
+class NearestMoves(NearestFrames):
     """k-NN on all joint positions and their change, which counts `weight` times; on positions alone where no change is
     known.
     """
 
     def __init__(self, k: int, weight: float):
-        from sklearn.neighbors import KNeighborsClassifier
-
-        self.weight, self.model, self.still = weight, KNeighborsClassifier(k), KNeighborsClassifier(k)
-
-    def fit(self, clips: Clips, labels: np.ndarray) -> None:
-        self.classes = np.unique(labels)
-        frames, each = np.concatenate([flat(clip) for clip in clips]), np.repeat(labels, [len(clip) for clip in clips])
-        self.model.fit(self._weighed(frames), each)
-        self.still.fit(frames[:, : frames.shape[1] // 2], each)
+        super().__init__(k)
+        self.weight = weight
 
     def log_probabilities(self, frames: np.ndarray) -> np.ndarray:
         moves, half = np.isfinite(frames).all(axis=1), frames.shape[1] // 2
         found = np.empty((len(frames), len(self.classes)))
         if moves.any():
-            found[moves] = self.model.predict_proba(self._weighed(frames[moves]))
+            found[moves] = self._log_votes(self._weighed(self.known), self._weighed(frames[moves]))
         if not moves.all():
-            found[~moves] = self.still.predict_proba(frames[~moves, :half])
-        return np.log(found + 1e-9)
-
-    def pool(self, scores: np.ndarray) -> np.ndarray:
-        return np.exp(scores).mean(axis=0)
+            found[~moves] = self._log_votes(self.known[:, :half], frames[~moves, :half])
+        return found
 
     def _weighed(self, frames: np.ndarray) -> np.ndarray:
         half = frames.shape[1] // 2
@@ -133,25 +129,22 @@ class Covariance:
 
 
 class TimeWarping:
-    """1-NN by dynamic time warping (aeon), the distance divided by the length of the longer clip if `normalised`."""
+    """The nearest clip by dynamic time warping; the window is a share of the longer clip. Longer clips have longer
+    paths: their distance is over its length if `normalised`.
+    """
 
     def __init__(self, stride: int, window: float, normalised: bool):
         self.stride, self.window, self.normalised = stride, window, normalised
 
     def fit(self, clips: Clips, labels: np.ndarray) -> None:
-        self.clips, self.labels = self._series(clips), np.asarray(labels)
+        self.known, self.labels = self._in_a_row(clips), np.asarray(labels)
 
     def answer(self, clips: Clips) -> np.ndarray:
-        from aeon.distances import pairwise_distance
+        return self.labels[nearest(*self._in_a_row(clips), *self.known, self.window, self.normalised)]
 
-        queries = self._series(clips)
-        distance = pairwise_distance(queries, self.clips, method="dtw", window=self.window)
-        if self.normalised:
-            distance /= np.maximum.outer([one.shape[1] for one in queries], [one.shape[1] for one in self.clips])
-        return self.labels[distance.argmin(axis=1)]
-
-    def _series(self, clips: Clips) -> list[np.ndarray]:
-        return [np.ascontiguousarray(flat(clip)[:: self.stride].T) for clip in clips]
+    def _in_a_row(self, clips: Clips) -> tuple[np.ndarray, np.ndarray]:
+        thinned = [clip[:: self.stride] for clip in clips]
+        return together(thinned), np.cumsum([0, *map(len, thinned)])
 
 
 class MiniRocket:
@@ -172,24 +165,32 @@ class MiniRocket:
         return np.stack([resample(flat(clip), self.length).T for clip in clips]).astype(np.float32)
 
 
-class Behaviours(FrameWise):
-    """Ours: a Dirichlet process mixture for each action and group of joints, recognised by the product of the groups'
-    posteriors.
+class Variational(FrameWise):
+    """All as in ours, but scikit-learn's variational mixture of at most so many components in place of the
+    sampled one.
     """
 
-    def __init__(self, spread: float):
+    def __init__(self, components: int, spread: float):
         from ipcli.models.mocap.parameters import Decision, Learning
 
-        self.settings, self.decision = Learning(spread=spread), Decision()
+        self.settings, self.decision, self.components = Learning(spread=spread), Decision(), components
 
     def fit(self, clips: Clips, labels: np.ndarray) -> None:
-        from ipcli.models.mocap import training
+        from ipcli.models.mocap import behaviours, training
 
         self.classes, action = np.unique(labels, return_inverse=True)
-        actions = np.repeat(action, [len(clip) for clip in clips])
-        self.model = training.train(
-            by_group(np.concatenate(clips)), actions, tuple(self.classes), self.settings, np.random.default_rng(0)
+        drawn = training.TrainingSet.draw(
+            by_group(np.concatenate(clips)),
+            np.repeat(action, [len(clip) for clip in clips]),
+            tuple(self.classes),
+            self.settings,
+            np.random.default_rng(0),
         )
+        densities = {name: self._density(points) for name, points in drawn.points.items()}
+        groups = tuple(drawn.projections)
+        cells = tuple(tuple(densities[f"{name}, {group}"] for group in groups) for name in drawn.names)
+        alpha = np.ones((len(cells), len(groups)))
+        self.model = behaviours.Model(drawn.names, groups, tuple(drawn.projections.values()), cells, alpha)
 
     def frame_scores(self, clips: Clips) -> list[np.ndarray]:
         from ipcli.models.mocap import recognition
@@ -198,33 +199,6 @@ class Behaviours(FrameWise):
         posterior = recognition.frame_posteriors(self.model, density, self.decision)
         known = np.where(np.isfinite(posterior), posterior, 0.0)  # a frame that shows no group whole says nothing
         return np.split(known, np.cumsum([len(clip) for clip in clips])[:-1])
-
-
-class Variational(Behaviours):
-    """All as in ours, but scikit-learn's variational mixture of at most so many components in place of the
-    sampled one.
-    """
-
-    def __init__(self, components: int, spread: float):
-        super().__init__(spread)
-        self.components = components
-
-    def fit(self, clips: Clips, labels: np.ndarray) -> None:
-        from ipcli.models.mocap import behaviours
-
-        self.classes, action = np.unique(labels, return_inverse=True)
-        actions = np.repeat(action, [len(clip) for clip in clips])
-        rows = behaviours.draw_frames(actions, list(map(str, self.classes)), self.settings, np.random.default_rng(0))
-        features = {group: x[rows] for group, x in behaviours.with_body(by_group(np.concatenate(clips)), True).items()}
-        projections = behaviours.fit_projections(features, actions[rows], self.settings)
-        cells = [
-            [self._density(project(features[group])[actions[rows] == a]) for group, project in projections.items()]
-            for a in range(len(self.classes))
-        ]
-        alpha = np.ones((len(self.classes), len(projections)))
-        self.model = behaviours.Model(
-            tuple(self.classes), tuple(projections), tuple(projections.values()), tuple(map(tuple, cells)), alpha
-        )
 
     def _density(self, x: np.ndarray) -> Any:
         """What it learnt, as the kind of density that ours is: a t of so many degrees of freedom is a Gaussian."""
@@ -246,7 +220,7 @@ class Variational(Behaviours):
         return of_others(whole, self.settings.spread)
 
 
-OURS, POSES = "behaviours (ours)", "behaviours (ours), poses alone"
+MOST_NEAREST, REMEMBERED = 50, 3
 SPREADS = (0.1, 0.3, 0.6)
 DTW = "DTW-1NN (stands in for DMW)"
 LIE_GROUP = "Lie group, DTW, Fourier pyramid, linear SVM (Vemulapalli et al.)"
@@ -254,20 +228,18 @@ SKELETONS = ("positions", "reposed")  # the actor's own, or the common one
 METHODS: dict[
     str, tuple[type, tuple[dict[str, Any], ...]]
 ] = {  # class and the grid of its settings; `by`: what describes a frame
-    OURS: (Behaviours, tuple(dict(by="motion", spread=spread) for spread in SPREADS)),
-    POSES: (Behaviours, tuple(dict(by="poses", spread=spread) for spread in SPREADS)),
     "scikit-learn mixture in place of ours": (
         Variational,
         tuple(dict(by="motion", components=count, spread=spread) for count in (5, 10, 20) for spread in SPREADS),
     ),
-    "k-NN of frames": (NearestFrames, tuple(dict(by=by, k=k) for by in SKELETONS for k in (1, 5, 15, 50))),
+    "k-NN of frames": (NearestFrames, tuple(dict(by=by, k=k) for by in SKELETONS for k in (1, 5, 15, MOST_NEAREST))),
     "k-NN of frames and their change": (
         NearestMoves,
         tuple(
             dict(by=f"{by}+change", k=k, weight=weight)
             for by in SKELETONS
-            for k in (1, 5, 15, 50)
             for weight in (1.0, 3.0)
+            for k in (1, 5, 15, MOST_NEAREST)
         ),
     ),
     "shrinkage LDA of frames": (
@@ -298,12 +270,38 @@ METHODS: dict[
             dict(by=by, stride=2, levels=levels, cost=cost)
             for by in ("lie-group", *SKELETONS)
             for levels in (1, 3)
-            for cost in (0.1, 1.0, 10.0)
+            for cost in (0.1, 1.0, 10.0, 100.0)
         ),
     ),
     "MiniRocket": (MiniRocket, tuple(dict(by=by, length=length) for by in SKELETONS for length in (32, 64, 128))),
 }
-NEEDS = {DTW: "aeon", "MiniRocket": "aeon"}  # all others scikit-learn
+NEEDS = {"MiniRocket": "aeon"}  # all others scikit-learn
+ORDERED = (DTW, LIE_GROUP, "MiniRocket")  # tell curves apart: asked about whole clips alone
+
+
+def together(clips: Clips) -> np.ndarray:
+    """The frames (n, d) of all clips, in single precision."""
+    return np.concatenate([flat(clip) for clip in clips], dtype=np.float32)
+
+
+_found: dict[str, np.ndarray] = {}
+
+
+def nearest_frames(known: np.ndarray, asked: np.ndarray) -> np.ndarray:
+    """Which of the known frames (m, d) are the MOST_NEAREST to each that is asked about, (n, k), the nearest first.
+
+    The last few answers are kept: settings of a grid that differ in k alone ask again.
+    """
+    from sklearn.neighbors import NearestNeighbors
+
+    key = " ".join(hashlib.sha256(frames.tobytes()).hexdigest() for frames in (known, asked))
+    if key not in _found:
+        while len(_found) >= REMEMBERED:
+            _found.pop(next(iter(_found)))
+        count = min(MOST_NEAREST, len(known))
+        searched = NearestNeighbors(n_neighbors=count, algorithm="brute").fit(known)
+        _found[key] = searched.kneighbors(asked.astype(np.float32), return_distance=False)
+    return _found[key]
 
 
 def flat(clip: np.ndarray) -> np.ndarray:

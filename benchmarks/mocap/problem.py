@@ -24,12 +24,11 @@ CHANGE = 0.2  # s
 
 @dataclass(frozen=True, eq=False)
 class LabelledClips:
-    """Clips of one skeleton, their labels and actors, and the splits that came with them."""
+    """Clips of one skeleton, their labels and actors."""
 
     motions: Motions
     labels: np.ndarray  # (c,) str
     actors: np.ndarray  # (c,) str
-    splits: list[np.ndarray]  # (c,) 1 learn, 2 recognise, 0 neither
     _known: dict[tuple[str, bytes], dict[bool, list[np.ndarray]]] = field(default_factory=dict)
 
     @property
@@ -42,14 +41,18 @@ class LabelledClips:
         """The actions, in order."""
         return np.unique(self.labels)
 
+    def those_of(self, rows: np.ndarray) -> np.ndarray:
+        """The clips, ascending, of frames (n,) bool."""
+        return np.unique(self.motions.clip[rows])
+
     def described(self, by: str, train: np.ndarray, mirror: bool = False) -> list[np.ndarray]:
         """Each clip, or with `mirror` its mirror image, (n, j, 3) by `positions` on the actor's own skeleton of height
-        1, or by `reposed` ones on the common skeleton of the clips train (c,) bool, from the root and facing one way;
+        1, or by `reposed` ones on the common skeleton of the clips train (k,) int, from the root and facing one way;
         (n, 2 j, 3) by `positions+change` or `reposed+change`, their change over CHANGE behind them; (n, ...) by
         `lie-group`, where each bone lies as seen from each other, and the positions on the common skeleton; or by ours
         (n, w): the features of all groups of joints side by side, of `poses` alone or with their `motion`.
         """
-        key = (by, b"" if by.startswith("positions") else np.packbits(train).tobytes())
+        key = (by, b"" if by.startswith("positions") else train.tobytes())
         if key not in self._known:
             self._known.clear()
             self._known[key] = {}
@@ -60,7 +63,7 @@ class LabelledClips:
 
     def _describe(self, by: str, train: np.ndarray, mirror: bool) -> list[np.ndarray]:
         groups, clips = self.motions.groups, [clip.motion for clip in self.motions.clips]
-        common = features.reference_lengths([clips[index] for index in np.flatnonzero(train)], groups)
+        common = features.reference_lengths([clips[index] for index in train], groups)
         clips = [mirrored(clip, groups) for clip in clips] if mirror else clips
         if by in ("poses", "motion"):
             settings = Features() if by == "motion" else Features(motion=0.0)
@@ -140,8 +143,7 @@ def filled(positions: np.ndarray) -> np.ndarray:
     return found
 
 
-def open_problem(path: Path, *, published: bool) -> LabelledClips:
-    """The clips of an artefact, with the splits that came with them if wanted."""
+def open_problem(path: Path) -> LabelledClips:
+    """The clips of an artefact."""
     motions = read([path], ClipReading(rate=RATE), "auto")
-    labels = np.array([clip.label for clip in motions.clips], np.str_)
-    return LabelledClips(motions, labels, motions.actors, list(motions.splits.values()) if published else [])
+    return LabelledClips(motions, np.array([clip.label for clip in motions.clips], np.str_), motions.actors)
