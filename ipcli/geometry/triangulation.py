@@ -19,7 +19,8 @@ def triangulate_mask(mask: np.ndarray, spacing: float, smoothing: float = 1.0) -
 
     rim = resample(contour(mask, smoothing), spacing)
     lattice = hexagonal(rim.min(axis=0), rim.max(axis=0), spacing)
-    lattice = lattice[inside(rim, lattice) & (distance_to(rim, lattice) > FROM_RIM * spacing)]
+    lattice = lattice[inside(rim, lattice)]
+    lattice = lattice[is_farther(rim, lattice, FROM_RIM * spacing)]
     points = np.concatenate([rim, lattice])
     if len(rim) < 3:
         raise ValueError("the mask is too small for triangles of this size")
@@ -81,6 +82,16 @@ def distance_to(polygon: np.ndarray, points: np.ndarray, chunk: int = 4096) -> n
         rest = away - share[..., None] * side
         distances[first : first + chunk] = np.sqrt((rest**2).sum(axis=-1).min(axis=1))
     return distances
+
+
+def is_farther(polygon: np.ndarray, points: np.ndarray, least: float) -> np.ndarray:
+    """Which points (n, 2) are farther than `least` from the sides of a closed polygon (k, 2)."""
+    from scipy.spatial import cKDTree
+
+    longest = float(np.linalg.norm(np.roll(polygon, -1, axis=0) - polygon, axis=1).max())
+    farther = cKDTree(polygon).query(points)[0] > least + longest  # from its corners: that is beyond doubt
+    farther[~farther] = distance_to(polygon, points[~farther]) > least
+    return farther
 
 
 def signed_area(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:

@@ -80,8 +80,16 @@ class Sight:
         """An image (h, w) of floats at all points, interpolated; `outside` beyond its border."""
         from scipy.ndimage import map_coordinates
 
-        at = (self.rows, self.columns)
-        return map_coordinates(image, at, order=1, mode="constant", cval=outside, output=np.float32)
+        first = tuple(slice(None) if varies else slice(1) for varies in self._varying())
+        at = (self.rows[first], self.columns[first])
+        values = map_coordinates(image, at, order=1, mode="constant", cval=outside, output=np.float32)
+        return np.broadcast_to(values, self.rows.shape).copy()
+
+    def _varying(self) -> list[bool]:
+        """For each axis of the grid, whether the pixel changes along it: not along that of a named view."""
+        corner = [np.moveaxis(c, axis, 0)[:, 0, 0] for c in (self.rows, self.columns) for axis in range(3)]
+        moves = [bool((line != line[0]).any()) for line in corner]
+        return [moves[axis] or moves[axis + 3] for axis in range(3)]
 
     def nearest(self, labels: np.ndarray) -> np.ndarray:
         """An image (h, w) of integers at all points, 0 beyond its border."""

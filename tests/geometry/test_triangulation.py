@@ -71,3 +71,13 @@ def test_distance_to_a_polygon():
 def test_too_little_is_refused(mask):
     with pytest.raises(ValueError, match="mask"):
         tri.triangulate_mask(mask, 5.0)
+
+
+def test_what_is_farther_from_a_polygon_is_what_its_distance_says():
+    rng = np.random.default_rng(0)
+    angles = np.sort(rng.uniform(0, 2 * np.pi, 9))
+    polygon = 10 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    points = rng.uniform(-30, 30, (500, 2))
+    farther = tri.is_farther(polygon, points, 2.0)
+    assert (farther == (tri.distance_to(polygon, points) > 2.0)).all()
+    assert 50 < farther.sum() < 499

@@ -48,3 +48,16 @@ def test_the_least_of_a_ray_and_rays_that_meet_nothing():
     met = least < FAR / 2
     assert met.mean() == pytest.approx((GRID.points()[0, 0, :, 2] > 0).mean(), abs=0.03)
     assert least[met] == pytest.approx(np.full(met.sum(), sight.depth.min()), abs=1e-3)
+
+
+@pytest.mark.parametrize("rotation", [named("left"), named("top"), looking(33.0, 20.0)])
+def test_images_are_sampled_where_the_points_fall(rotation):
+    rows, columns = np.mgrid[:90, :100]
+    ramp = (2.0 * rows - columns).astype(np.float32)
+    sight = Sight.of(GRID, Orthographic(rotation, 30.0, np.array([50.0, 48.0])))
+    inside = (sight.rows >= 0) & (sight.rows <= 89) & (sight.columns >= 0) & (sight.columns <= 99)
+    expected = np.where(inside, 2 * sight.rows - sight.columns, -7.0)
+    sampled = sight.sample(ramp, -7.0)
+    assert sampled.flags.writeable
+    assert sampled[inside] == pytest.approx(expected[inside], abs=1e-3)
+    assert (sampled[(sight.rows < -1) | (sight.columns < -1)] == -7.0).all()

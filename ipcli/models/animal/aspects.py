@@ -108,8 +108,19 @@ def completed(own: np.ndarray, silhouette: np.ndarray) -> np.ndarray:
     """
     if not own.any():
         return own
-    hidden = silhouette & ~own
-    return own | (hidden & (_closed(own) | _caps(own, hidden)))
+    around = _around(own)
+    near, hidden = own[around], (silhouette & ~own)[around]
+    whole = own.copy()
+    whole[around] |= hidden & (_closed(near) | _caps(near, hidden))
+    return whole
+
+
+def _around(own: np.ndarray) -> tuple[slice, slice]:
+    """The box of a mask with as much around it as a closing or a cap may add."""
+    rows, columns = np.nonzero(own)
+    margin = 2 + int(max(np.ptp(rows), np.ptp(columns)))
+    down, across = (slice(max(int(at.min()) - margin, 0), int(at.max()) + margin + 1) for at in (rows, columns))
+    return down, across
 
 
 def _closed(own: np.ndarray) -> np.ndarray:

@@ -91,3 +91,12 @@ def test_a_cut_gets_a_cap_a_quarter_as_deep_as_it_is_long():
     columns = np.nonzero(added.any(axis=0))[0]
     assert columns.min() == 100
     assert columns.max() == pytest.approx(100 + 6, abs=2)
+
+
+def test_completing_does_not_depend_on_how_much_of_the_image_lies_around():
+    own = strip(half=9, length=70)
+    own[90:110, 95:101] = False
+    silhouette = strip(half=30, length=90)
+    filled = completed(own, silhouette)
+    assert (filled & ~own).any()
+    assert (completed(own[60:140, 50:150], silhouette[60:140, 50:150]) == filled[60:140, 50:150]).all()
