@@ -122,30 +122,50 @@ class Outlines:
         size = max(float(np.ptp(plane, axis=0).max()) for plane in planes)
         return cls(tuple(planes), tuple(rotations), size)
 
-    def fit(self, outline: np.ndarray, rotation: np.ndarray, points: np.ndarray) -> tuple[Orthographic, float]:
-        """The camera with this rotation that fits an outline (n, 2) of `outline_of` best, and the root mean square
-        error of the ends of silhouettes along shared axes, in the world. Where silhouettes do not tell, the box of
-        points (n, 3) of a model does.
+    def fit(
+        self, outline: np.ndarray, rotations: np.ndarray, corners: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Scales (n,) and shifts (n, 2) of the cameras with rotations (n, 3, 3) that fit an outline (m, 2) of
+        `outline_of` best, and the root mean square errors (n,) of the ends of silhouettes along shared axes, in the
+        world. Where silhouettes do not tell, the box of a model with these corners (k, 3) does.
         """
-        rows, right, weights = [], [], []
+        systems, targets, weights = [], [], []
         for plane, other in zip(self.planes, self.rotations, strict=True):
-            for axis in _shared(other, rotation):
-                w = rotation[:2] @ axis
-                ends = np.sort(_ends(plane, other, axis))
-                rows += [[end, *w] for end in _ends(outline, rotation, axis)]
-                right += ends.tolist()
-                weights += [1.0, 1.0]
-        told = len(rows)
-        in_plane = points @ rotation[:2].T
+            for axes, weight in shared_by(other, rotations):
+                w = np.einsum("nij,nj->ni", rotations[:, :2], axes)
+                ends, goal = _ends_along(outline, w), _ends_along(plane, axes @ other[:2].T)
+                for end in range(2):
+                    systems.append(np.column_stack([ends[end], w]))
+                    targets.append(goal[end])
+                    weights.append(weight)
+        told = len(systems)
+        box = np.einsum("kj,nij->nki", corners, rotations[:, :2])
         for side in range(2):
-            w = np.eye(2)[side]
-            rows += [[end, *w] for end in (outline[:, side].min(), outline[:, side].max())]
-            right += [in_plane[:, side].min(), in_plane[:, side].max()]
-            weights += [BOX, BOX]
-        system, target, weight = np.array(rows), np.array(right), np.array(weights)
-        a, *b = np.linalg.lstsq(system * weight[:, None], target * weight, rcond=None)[0]
-        error = system[:told] @ [a, *b] - target[:told]
+            for pick in (np.min, np.max):
+                row = np.array([pick(outline[:, side]), *np.eye(2)[side]])
+                systems.append(np.broadcast_to(row, (len(rotations), 3)))
+                targets.append(pick(box[:, :, side], axis=1))
+                weights.append(np.full(len(rotations), BOX))
+        system, target, weight = np.stack(systems, axis=1), np.stack(targets, axis=1), np.stack(weights, axis=1)
+        solution = np.einsum("nuk,nk->nu", np.linalg.pinv(system * weight[..., None]), target * weight)
+        error = (np.einsum("nku,nu->nk", system, solution) - target)[:, :told] * weight[:, :told]
         extent = float(np.ptp(outline, axis=0).max())
-        scale = 1 / a if a * extent > 1e-3 * self.size else extent / self.size
-        camera = Orthographic(rotation, float(scale), -scale * np.array(b))
-        return camera, float(np.sqrt(np.mean(error**2))) if told else 0.0
+        a, b = solution[:, 0], solution[:, 1:]
+        scales = np.where(a * extent > 1e-3 * self.size, 1 / np.where(a > 0, a, 1.0), extent / self.size)
+        spread = np.sqrt((error**2).sum(axis=1) / np.maximum(weight[:, :told].sum(axis=1), 1))
+        return scales, -scales[:, None] * b, spread
+
+
+def shared_by(other: np.ndarray, rotations: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """`_shared` of one rotation with each of many: axes (n, 3) and whether they count (n,), twice."""
+    axes = np.cross(other[2], rotations[:, 2])
+    length = np.linalg.norm(axes, axis=1)
+    parallel = (length < SHARED)[:, None]
+    first = np.where(parallel, other[0], axes / np.maximum(length, SHARED)[:, None])
+    return [(first, np.ones(len(rotations))), (np.broadcast_to(other[1], first.shape), parallel[:, 0] * 1.0)]
+
+
+def _ends_along(plane: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The least and the largest coordinate (n,) of points (m, 2) along axes (n, 2)."""
+    along = axes @ plane.T
+    return along.min(axis=1), along.max(axis=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,13 +10,17 @@ import numpy as np
 from ipcli.geometry.orthographic import Orthographic, named
 from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal import by_parts, whole
+from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.cameras import align
+from ipcli.models.animal.frontiers import adjusted
 from ipcli.models.animal.parameters import Modelling
-from ipcli.models.animal.search import cloud_of, find_camera, known_outlines
+from ipcli.models.animal.search import cloud_of, find_camera
 from ipcli.progress import Progress, silent
 
 ROUGH = 56  # voxels of the models that cameras are found with
+TRIANGLES = 400  # of a mask in such a model
 ROUNDS = 2  # of finding the cameras without a name again, each with a model from all others
+OBLIQUE = 0.9  # cosine of the angle between two views, below which one tells the depth of the other
 FIRST = "left"  # taken for granted when no view has a name
 
 
@@ -29,7 +33,8 @@ def placed(
     """Cameras of all images, in their order. The first image with a named view has scale 1 (in pixels of its own).
 
     Named views get their scale and shift from the silhouettes; the others are found one after the other from a rough
-    model of those that are known, and once more each from a model of all others.
+    model of those that are known, and once more each from a model of all others. After each, all that were found are
+    adjusted together.
     """
     views = [image.view for image in images]
     if not any(views):
@@ -39,21 +44,57 @@ def placed(
     rotations = [named(str(views[k])) for k in anchors]
     cameras = dict(zip(anchors, align([images[k].silhouette for k in anchors], rotations), strict=True))
     searched = [k for k in order if not views[k]]
-    rough = replace(params, volume=replace(params.volume, voxels=ROUGH, steps=6))
-    work = [k for _ in range(ROUNDS if len(searched) > 1 or _is_flat(rotations) else 1) for k in searched]
-    for done, k in enumerate(work):
-        progress(done / len(work), f"camera of {images[k].name}")
+    if not searched:
+        return [cameras[k] for k in range(len(images))]
+    rough = replace(
+        params,
+        inflation=replace(params.inflation, triangles=min(TRIANGLES, params.inflation.triangles)),
+        volume=replace(params.volume, voxels=ROUGH, steps=6),
+    )
+    heights = {key: a.picture for i in images for key, a in lift_all([i], tree, rough.inflation).items()}
+
+    def find(k: int) -> tuple[Orthographic, float]:
         others = [other for other in order if other in cameras and other != k]
         seen, known = [images[o] for o in others], [cameras[o] for o in others]
-        surface = whole.model(seen, known, tree, rough)
+        surface = _modelled(seen, known, tree, heights, rough)
         if params.search != "image":
-            cameras[k] = by_parts.find_camera(images[k], surface, list(zip(seen, known, strict=True)), params.search)
-            continue
-        cloud = cloud_of(surface.vertices, surface.faces, surface.face_part)
-        cameras[k], _ = find_camera(images[k], cloud, known_outlines(seen, known))
+            return by_parts.find_camera(images[k], surface, list(zip(seen, known, strict=True)), params.search), 0.0
+        return find_camera(images[k], cloud_of(surface.vertices, surface.faces, surface.face_part), seen, known)
+
+    if params.search == "image" and _is_flat([*cameras.values()]):
+        searched = _deepest_first({k: find(k) for k in searched}, cameras[anchors[0]])
+    work = [k for _ in range(ROUNDS if len(searched) > 1 else 1) for k in searched]
+    for done, k in enumerate(work):
+        progress(done / len(work), f"camera of {images[k].name}")
+        cameras[k], _ = find(k)
+        if params.search == "image" and not _is_flat([*cameras.values()]):
+            placed_now = sorted(cameras)
+            seen, known = [images[o] for o in placed_now], [cameras[o] for o in placed_now]
+            better = adjusted(seen, known, [not views[o] for o in placed_now])
+            cameras |= dict(zip(placed_now, better, strict=True))
     return [cameras[k] for k in range(len(images))]
 
 
-def _is_flat(rotations: Sequence[np.ndarray]) -> bool:
-    """Whether all views look along one line, so that nothing tells the depth."""
-    return bool(all(abs(rotation[2] @ rotations[0][2]) > 0.9 for rotation in rotations))
+def _deepest_first(found: Mapping[int, tuple[Orthographic, float]], known: Orthographic) -> list[int]:
+    """The order in which to find cameras when all that are known look along one line: first the one that fits best of
+    those that look along another, since only it tells the depth; then by how well they fit.
+    """
+    order = sorted(found, key=lambda k: -found[k][1])
+    return sorted(order, key=lambda k: abs(found[k][0].direction @ known.direction) > OBLIQUE)
+
+
+def _modelled(
+    images: Sequence[PartImage],
+    cameras: Sequence[Orthographic],
+    tree: PartTree,
+    heights: Mapping[tuple[str, int], np.ndarray],
+    params: Modelling,
+) -> whole.PartedSurface:
+    """A rough model from images with these cameras."""
+    fields, shots, grid = whole.parts_of(images, cameras, tree, heights, params.volume)
+    return whole.surface(fields, shots, grid, params.volume)
+
+
+def _is_flat(cameras: Sequence[Orthographic]) -> bool:
+    """Whether all look along one line, so that nothing tells the depth."""
+    return all(abs(camera.direction @ cameras[0].direction) > OBLIQUE for camera in cameras)

@@ -2,8 +2,8 @@
 
 The two-point energy (6.10) does not fix a view: it has four unknowns and three equations. Nor does the outline of one
 inflated part. The overlap of all labels at once does: every direction is tried on a coarse grid of cells, the best are
-refined. For a direction the scale and the shift follow from the silhouettes (see `cameras`), and how badly they fit
-counts against it.
+refined. For a direction the scale and the shift follow from the silhouettes (see `cameras`), and how badly they and the
+outlines of the parts (see `frontiers`) fit counts against it.
 """
 
 from __future__ import annotations
@@ -17,11 +17,14 @@ import numpy as np
 from ipcli.geometry.orthographic import Orthographic, fibonacci
 from ipcli.measurements.part_images import PartImage
 from ipcli.models.animal.cameras import Outlines, outline_of
+from ipcli.models.animal.frontiers import Frontiers, PartOutlines
 
 DIRECTIONS, ROLLS = 400, 18  # tried, each with each
 COARSE, FINE = 26, 72  # cells along the longer side of the image
+SPARSE, DENSE = 1500, 8000  # points of the model on the two grids
 KEPT, POLISHED = 24, 4  # candidates that are looked at on the fine grid, and that are refined
 FRONTIER = 4.0  # overlap lost for a frontier error as large as the animal
+PART_FRONTIER = 10.0  # the same, for that of the single parts
 EVALUATIONS = 160  # of the objective in one refinement
 TURN = np.radians(6.0)  # first step of a refinement
 
@@ -33,34 +36,40 @@ class LabelledPoints:
     points: np.ndarray
     labels: np.ndarray
 
+    def thinned(self, count: int) -> LabelledPoints:
+        """About so many of them, evenly by their order."""
+        step = max(len(self.points) // count, 1)
+        return LabelledPoints(self.points[::step], self.labels[::step])
 
-def find_camera(image: PartImage, cloud: LabelledPoints, known: Outlines) -> tuple[Orthographic, float]:
-    """The camera of an image that sees the cloud as the image shows it, and their overlap in [0, 1]."""
-    coarse, fine = LabelCells.of(image, COARSE), LabelCells.of(image, FINE)
-    outline = outline_of(image.silhouette)
-    few = LabelledPoints(cloud.points[::3], cloud.labels[::3])
+
+def find_camera(
+    image: PartImage, cloud: LabelledPoints, seen: Sequence[PartImage], cameras: Sequence[Orthographic]
+) -> tuple[Orthographic, float]:
+    """The camera of an image that sees the cloud as the image shows it, and how well it does: their overlap in [0, 1],
+    less what the outlines disagree with those of the images `seen`, whose cameras are known.
+    """
+    known = Outlines.of([other.silhouette for other in seen], cameras), Frontiers.of(seen, cameras)
+    coarse = Match.of(image, cloud.thinned(SPARSE), *known, COARSE)
+    fine = Match.of(image, cloud.thinned(DENSE), *known, FINE)
     rotations = _rotations()
-    scores = np.array([_score(rotation, outline, few, known, coarse) for rotation in rotations])
+    scores = np.concatenate([coarse.scores(rolls) for rolls in rotations])
+    rotations = rotations.reshape(-1, 3, 3)
     best = np.argsort(-scores)[:KEPT]
-    again = np.array([_score(rotations[k], outline, cloud, known, fine) for k in best])
-    refined = [_refined(rotations[k], outline, cloud, known, fine) for k in _apart(best[np.argsort(-again)], rotations)]
-    rotation, _ = max(refined, key=lambda item: item[1])
-    camera, _ = known.fit(outline, rotation, cloud.points)
-    return camera, fine.overlap(camera, cloud)
+    again = np.array([fine.score(rotations[k]) for k in best])
+    refined = [fine.refined(rotations[k]) for k in _apart(best[np.argsort(-again)], rotations)]
+    rotation, score = max(refined, key=lambda item: item[1])
+    return fine.camera(rotation), score
 
 
 def _rotations() -> np.ndarray:
-    """Rotations (n, 3, 3): each direction with each roll."""
+    """Rotations (DIRECTIONS, ROLLS, 3, 3): each direction with each roll."""
     turns = 2 * np.pi * np.arange(ROLLS) / ROLLS
-    found = []
-    for direction in fibonacci(DIRECTIONS):
-        right = np.cross(direction, [0.0, 0.0, 1.0])
-        right = right / np.linalg.norm(right)
-        down = np.cross(direction, right)
-        found += [
-            [np.cos(t) * right + np.sin(t) * down, np.cos(t) * down - np.sin(t) * right, direction] for t in turns
-        ]
-    return np.array(found)
+    forward = fibonacci(DIRECTIONS)
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    right = (right / np.linalg.norm(right, axis=1, keepdims=True))[:, None]
+    down = np.cross(forward[:, None], right)
+    c, s = np.cos(turns)[:, None], np.sin(turns)[:, None]
+    return np.stack([c * right + s * down, c * down - s * right, np.repeat(forward[:, None], ROLLS, axis=1)], axis=2)
 
 
 def _apart(order: np.ndarray, rotations: np.ndarray) -> list[int]:
@@ -74,30 +83,57 @@ def _apart(order: np.ndarray, rotations: np.ndarray) -> list[int]:
     return chosen
 
 
-def _score(
-    rotation: np.ndarray, outline: np.ndarray, cloud: LabelledPoints, known: Outlines, cells: LabelCells
-) -> float:
-    camera, error = known.fit(outline, rotation, cloud.points)
-    return cells.overlap(camera, cloud) - FRONTIER * error / known.size
+@dataclass(frozen=True, eq=False)
+class Match:
+    """An image, a model and outlines of known cameras: how well does a rotation of the camera explain the image?"""
 
+    cells: LabelCells
+    outline: np.ndarray  # (n, 2) of the silhouette
+    cloud: LabelledPoints
+    corners: np.ndarray  # (k, 3) of the cloud's convex hull
+    known: Outlines
+    parts: PartOutlines
+    frontiers: Frontiers
 
-def _refined(
-    rotation: np.ndarray, outline: np.ndarray, cloud: LabelledPoints, known: Outlines, cells: LabelCells
-) -> tuple[np.ndarray, float]:
-    from scipy.optimize import minimize
-    from scipy.spatial.transform import Rotation
+    @classmethod
+    def of(cls, image: PartImage, cloud: LabelledPoints, known: Outlines, frontiers: Frontiers, count: int) -> Match:
+        """With so many cells along the longer side of the image."""
+        from scipy.spatial import ConvexHull
 
-    def turned(vector: Any) -> np.ndarray:
-        return Rotation.from_rotvec(vector).as_matrix() @ rotation
+        corners = cloud.points[ConvexHull(cloud.points).vertices]
+        cells, outline = LabelCells.of(image, count), outline_of(image.silhouette)
+        return cls(cells, outline, cloud, corners, known, PartOutlines.of(image), frontiers)
 
-    simplex = np.concatenate([np.zeros((1, 3)), TURN * np.eye(3)])
-    options: Any = {"initial_simplex": simplex, "maxfev": EVALUATIONS, "xatol": 2e-3, "fatol": 1e-5}
+    def scores(self, rotations: np.ndarray) -> np.ndarray:
+        """Overlap less what the frontier points disagree, (n,) of rotations (n, 3, 3) that share one direction."""
+        scales, shifts, errors = self.known.fit(self.outline, rotations, self.corners)
+        lost = FRONTIER * errors / self.known.size
+        lost += PART_FRONTIER * self.frontiers.error(self.parts, rotations, scales, shifts)
+        return self.cells.overlaps(rotations, scales, shifts, self.cloud) - lost
 
-    def lost(vector: Any) -> Any:
-        return -_score(turned(vector), outline, cloud, known, cells)
+    def score(self, rotation: np.ndarray) -> float:
+        """That of one."""
+        return float(self.scores(rotation[None])[0])
 
-    found: Any = minimize(lost, np.zeros(3), method="Nelder-Mead", options=options)
-    return turned(found.x), -float(found.fun)
+    def camera(self, rotation: np.ndarray) -> Orthographic:
+        """The camera with this rotation."""
+        (scale,), (shift,), _ = self.known.fit(self.outline, rotation[None], self.corners)
+        return Orthographic(rotation, float(scale), shift)
+
+    def refined(self, rotation: np.ndarray) -> tuple[np.ndarray, float]:
+        """The best rotation near this one and its score, by the method of Nelder and Mead."""
+        from scipy.optimize import minimize
+        from scipy.spatial.transform import Rotation
+
+        def turned(vector: Any) -> np.ndarray:
+            return Rotation.from_rotvec(vector).as_matrix() @ rotation
+
+        simplex = np.concatenate([np.zeros((1, 3)), TURN * np.eye(3)])
+        options: Any = {"initial_simplex": simplex, "maxfev": EVALUATIONS, "xatol": 2e-3, "fatol": 1e-5}
+        found: Any = minimize(
+            lambda vector: -self.score(turned(vector)), np.zeros(3), method="Nelder-Mead", options=options
+        )
+        return turned(found.x), -float(found.fun)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,23 +154,24 @@ class LabelCells:
         ]
         return cls(image.labels[at[0][:, None], at[1]], pixels)
 
-    def overlap(self, camera: Orthographic, cloud: LabelledPoints) -> float:
-        """LabelCells whose label is that of the nearest point, over cells in which either shows something."""
-        column, row = np.floor((camera.project(cloud.points) + 0.5) / self.pixels).astype(np.int32).T
-        inside = (row >= 0) & (row < self.labels.shape[0]) & (column >= 0) & (column < self.labels.shape[1])
-        farthest_first = np.argsort(-camera.depth(cloud.points)[inside])
-        drawn = np.zeros(self.labels.shape, np.int16)
-        drawn[row[inside][farthest_first], column[inside][farthest_first]] = cloud.labels[inside][farthest_first]
-        either = (drawn > 0) | (self.labels > 0)
-        lost = int((~inside).sum()) / max(len(inside), 1) * int(either.sum())
-        return float(((drawn == self.labels) & either).sum() / (either.sum() + lost))
+    def overlaps(
+        self, rotations: np.ndarray, scales: np.ndarray, shifts: np.ndarray, cloud: LabelledPoints
+    ) -> np.ndarray:
+        """Cells whose label is that of the nearest point, over cells in which either shows something: (n,) of cameras
+        with rotations (n, 3, 3), scales (n,) and shifts (n, 2) that look along one direction.
+        """
+        farthest_first = np.argsort(-(cloud.points @ rotations[0, 2]))
+        plane = cloud.points[farthest_first] @ rotations[:, :2].transpose(0, 2, 1)  # (n, points, 2)
+        at = np.floor((scales[:, None, None] * plane + (shifts[:, None] + 0.5)) / self.pixels).astype(np.int32)
+        inside = ((at >= 0) & (at < self.labels.shape[::-1])).all(axis=-1)
+        flat = np.arange(len(rotations))[:, None] * self.labels.size + at[..., 1] * self.labels.shape[1] + at[..., 0]
+        drawn = np.zeros((len(rotations), self.labels.size), cloud.labels.dtype)
+        drawn.ravel()[flat[inside]] = np.broadcast_to(cloud.labels[farthest_first], inside.shape)[inside]
+        either = (drawn > 0) | (self.labels.ravel() > 0)
+        count, same = either.sum(axis=1), ((drawn == self.labels.ravel()) & either).sum(axis=1)
+        return same / (count * (2 - inside.mean(axis=1)))
 
 
 def cloud_of(vertices: np.ndarray, faces: np.ndarray, face_part: np.ndarray) -> LabelledPoints:
     """The middles of a mesh's faces."""
     return LabelledPoints(vertices[faces].mean(axis=1).astype(np.float64), (face_part + 1).astype(np.int16))
-
-
-def known_outlines(images: Sequence[PartImage], cameras: Sequence[Orthographic]) -> Outlines:
-    """Outlines of images whose cameras are known."""
-    return Outlines.of([image.silhouette for image in images], cameras)
