@@ -22,9 +22,8 @@ from ipcli.report.kit.page import page as document
 MEASURES = ("mean", "rms", "p95", "most", "outside")
 BARS = {"two silhouettes": (0.0095, 0.0065), "three silhouettes": (0.0065, 0.0040)}  # mean over the diagonal: bar, goal
 SECONDS = (30.0, 10.0)  # a model
-DEGREES = (5.0, 0.9)  # a camera, and in what share
+DEGREES, SHARE = (5.0, 2.0), 0.9  # a camera: bar and goal, and in what share
 THESIS = {"cat": 0.012, "dog": 0.012, "cow": 0.030, "giraffe": 0.018, "horse": 0.021}  # table 6.2, other meshes
-NOISES = (1.5,)
 QUICK = Modelling(inflation=Inflation(triangles=300), volume=Volume(voxels=48))
 
 
@@ -43,20 +42,23 @@ def trials(given: argparse.Namespace) -> list[dict]:
         path = given.out.parent / f"{animal.name}.json"
         if not path.is_file():
             params = QUICK if given.quick else Modelling()
-            chosen = list(BARS) if given.quick else list(trial.SETS)
-            sets = {n: trial.run(animal, trial.SETS[n], False, 0.0, params, n not in BARS) for n in chosen}
-            noisy = {
-                f"{name}, noise of {noise} px": trial.run(animal, trial.SETS[name], False, noise, params, True)
-                for noise in NOISES
-                for name in BARS
+            against = {} if given.noise or given.blind else trial.AGAINST
+            sets = {
+                name: trial.run(animal, trial.SETS[name], given.blind, given.noise, params, against.get(name, ()))
+                for name in (list(BARS) if given.quick else given.sets.split(","))
             }
             about = {
                 "name": animal.name,
                 "species": meshes.SPECIES.get(animal.name, animal.name),
                 "development": animal.name in meshes.DEVELOPMENT,
-                "sets": sets | noisy,
+                "sets": sets,
             }
             atomic.write_text(path, json.dumps(about, indent=1) + "\n")
+            print(
+                animal.name,
+                {views: round(one["methods"]["ours"]["mean"], 4) for views, one in sets.items()},
+                flush=True,
+            )
         results.append(json.loads(path.read_text()))
     return results
 
@@ -83,21 +85,30 @@ def bars_of(results: list[dict]) -> list[tuple[str, str, str, str, str]]:
     judged = [result for result in results if not result["development"]] or results
     found = []
     for views, (bar, goal) in BARS.items():
+        if views not in judged[0]["sets"]:
+            continue
         mean = float(np.mean([result["sets"][views]["methods"]["ours"]["mean"] for result in judged]))
         found.append((f"mean distance, {views}", f"{mean:.4f}", f"{bar}", f"{goal}", _verdict(mean, bar, goal)))
     for name in ("horse0", "horse10", "horse15"):
-        for result in (r for r in results if r["name"] == name):
+        for result in (r for r in results if r["name"] == name and "two silhouettes" in r["sets"]):
             mean = result["sets"]["two silhouettes"]["methods"]["ours"]["mean"]
             found.append((f"mean distance, {name}", f"{mean:.4f}", "0.0095", "", _verdict(mean, 0.0095, 0.0095)))
-    seconds = float(np.max([result["sets"][views]["seconds"] for result in results for views in BARS]))
+    seconds = float(np.max([one["seconds"] for result in results for one in result["sets"].values()]))
     found.append(
-        ("seconds a model, worst", f"{seconds:.1f}", f"{SECONDS[0]:g}", f"{SECONDS[1]:g}", _verdict(seconds, *SECONDS))
+        (
+            "CPU seconds a model, worst",
+            f"{seconds:.1f}",
+            f"{SECONDS[0]:g}",
+            f"{SECONDS[1]:g}",
+            _verdict(seconds, *SECONDS),
+        )
     )
     angles = [a for result in judged for one in result["sets"].values() for a in one["searched"].values()]
     if angles:
-        share = float(np.mean(np.array(angles) <= DEGREES[0]))
-        words = f"{100 * share:.0f} % (median {np.median(angles):.1f}°)"
-        found.append(("cameras within 5°", words, "90 %", "", "met" if share >= DEGREES[1] else "missed"))
+        shares = [float(np.mean(np.array(angles) <= degrees)) for degrees in DEGREES]
+        words = f"{100 * shares[0]:.0f} % (within 2°: {100 * shares[1]:.0f} %; median {np.median(angles):.1f}°)"
+        verdict = "goal met" if shares[1] >= SHARE else "met" if shares[0] >= SHARE else "missed"
+        found.append((f"{len(angles)} searched cameras within 5°", words, "90 %", "2°", verdict))
     closed = all(one["watertight"] for result in results for one in result["sets"].values())
     return [*found, ("watertight", "all" if closed else "not all", "all", "", "met" if closed else "missed")]
 
@@ -108,7 +119,7 @@ def _verdict(value: float, bar: float, goal: float) -> str:
 
 def each(results: list[dict]) -> Markup:
     """The mean distance of every animal."""
-    columns = [(views, method) for views in BARS for method in results[0]["sets"][views]["methods"]]
+    columns = [(views, method) for views, one in results[0]["sets"].items() for method in one["methods"]]
     rows = []
     for result in results:
         means = [result["sets"][views]["methods"][method]["mean"] for views, method in columns]
@@ -152,6 +163,9 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
     parser.add_argument("--cache", type=Path, default=Path("build/meshes/animal"))
     parser.add_argument("--only", default="", help="names of animals, with commas")
+    parser.add_argument("--sets", default=",".join(trial.SETS), help="names of sets of views, with commas")
+    parser.add_argument("--noise", type=float, default=0.0, help="pixels of contour noise; our model only")
+    parser.add_argument("--blind", action="store_true", help="only the first view has a name; our model only")
     parser.add_argument("--quick", action="store_true")
     given = parser.parse_args()
     given.out.parent.mkdir(parents=True, exist_ok=True)

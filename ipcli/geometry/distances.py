@@ -9,7 +9,7 @@ import numpy as np
 from ipcli.geometry import meshes
 
 SAMPLES = 20_000  # points on each surface
-VOXELS = 96  # along the longest side, for volumes
+VOXELS = 64  # along the longest side, for volumes
 
 
 @dataclass(frozen=True)
