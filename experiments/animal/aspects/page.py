@@ -1,7 +1,8 @@
 """Figure 6.3, masks lifted with the load, without, with noise: `python -m experiments.animal.aspects.page OUT.html`.
 
 Each part of a labelled mesh is seen from the left by itself; the truth is half the distance between its nearest and its
-farthest face along each ray. The error of a load is the mean of |half thickness - gain * height| over the part's
+farthest face along each ray. All parts are in pixels of one image of the animal, as the thesis has it ("keeping the
+proportions of the components"). The error of a load is the mean of |half thickness - gain * height| over the part's
 diagonal, with one gain for all parts, fitted in L1. "Without" is a constant load: with none at all the surface
 stays flat.
 """
@@ -26,9 +27,9 @@ from ipcli.report.kit.page import figure, gallery, section, table
 from ipcli.report.kit.page import page as document
 from ipcli.report.kit.pictures import photograph
 
-NAMES = ("381", "387", "388", "390", "391", "394", "395", "400")
-LONGEST = 90  # pixels of the longer side of a part
-LEAST = 150  # pixels of a part that is counted
+NAMES = ("381", "387", "388", "390", "391", "394", "395", "396", "397", "399", "400")
+LONGEST = 350  # pixels of the longer side of the animal
+LEAST = 150  # pixels, and half of all, in which a part that is counted has two sides: where it was cut off it has one
 NOISES = (1.0, 2.0)  # pixels
 SHOWN = "front_leg_L"  # the thesis shows a leg of a cat
 NOTES = {"constant": "constant: without the load", "printed": "printed: (6.4) as it stands"}
@@ -45,13 +46,15 @@ class LabelledPart:
     turned: np.ndarray  # its mask with the camera rolled by 45 degrees, in pixels of one size
 
 
-def parts_of(animal: meshes.Animal) -> list[LabelledPart]:
-    """All parts of an animal that are large enough."""
+def parts_of(animal: meshes.Animal, each_alike: bool = False) -> list[LabelledPart]:
+    """All parts of an animal that are large enough, in pixels of one image; `each_alike`: each of them as large in an
+    image of its own as the animal would be.
+    """
     found = []
     for number, name in enumerate(animal.tree.names, start=1):
         used, faces = np.unique(animal.faces[animal.labels == number], return_inverse=True)
         vertices, faces = animal.vertices[used], faces.reshape(-1, 3)
-        camera, shape = framed(vertices, looking(90.0, 0.0), LONGEST)
+        camera, shape = framed(vertices if each_alike else animal.vertices, looking(90.0, 0.0), LONGEST)
         _, near = first_faces(vertices, faces, camera, shape)
         flipped = replace(camera, rotation=np.diag([1.0, 1.0, -1.0]) @ camera.rotation)
         _, far = first_faces(vertices, faces, flipped, shape)
@@ -61,27 +64,34 @@ def parts_of(animal: meshes.Animal) -> list[LabelledPart]:
         middle = rolled.rotation[:2] @ (vertices.min(axis=0) + vertices.max(axis=0)) / 2
         _, seen = first_faces(vertices, faces, replace(rolled, shift=size / 2 - camera.scale * middle), (size, size))
         diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0))) * camera.scale
-        if (half > 0).sum() >= LEAST:
-            part = f"{animal.name} {name}"
-            found.append(LabelledPart(part, np.isfinite(near), half, diagonal, np.isfinite(seen)))
+        if (half > 0).sum() >= max(LEAST, np.isfinite(near).sum() / 2):
+            part, box = f"{animal.name} {name}", around(np.isfinite(near))
+            turned = np.isfinite(seen)
+            found.append(LabelledPart(part, np.isfinite(near)[box], half[box], diagonal, turned[around(turned)]))
     return found
+
+
+def around(mask: np.ndarray, margin: int = 8) -> tuple[slice, slice]:
+    """The box of a mask with some pixels to spare."""
+    down, across = (slice(max(int(at.min()) - margin, 0), int(at.max()) + margin + 1) for at in np.nonzero(mask))
+    return down, across
 
 
 def gain(parts: list[LabelledPart], heights: list[np.ndarray]) -> float:
     """The one factor that makes the mean error of all parts least: a weighted median."""
     ratios, weights = [], []
     for part, height in zip(parts, heights, strict=True):
-        told = part.mask & (height > 0)
+        told = (part.half > 0) & (height > 0)
         ratios.append(part.half[told] / height[told])
-        weights.append(height[told] / (part.mask.sum() * part.diagonal))
+        weights.append(height[told] / ((part.half > 0).sum() * part.diagonal))
     order = np.argsort(np.concatenate(ratios))
     total = np.cumsum(np.concatenate(weights)[order])
     return float(np.concatenate(ratios)[order][np.searchsorted(total, total[-1] / 2)])
 
 
 def error(part: LabelledPart, height: np.ndarray) -> float:
-    """Mean over the mask of |half thickness - height|, over the diagonal."""
-    return float(np.abs(part.half - height)[part.mask].mean() / part.diagonal)
+    """Mean of |half thickness - height| where the part has two sides, over the diagonal."""
+    return float(np.abs(part.half - height)[part.half > 0].mean() / part.diagonal)
 
 
 def measure(parts: list[LabelledPart], load: str, triangles: int) -> dict[str, Any]:
@@ -132,6 +142,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
     parser.add_argument("--cache", type=Path, default=Path("build/meshes/animal"))
     parser.add_argument("--only", default=",".join(NAMES), help="names of animals, with commas")
+    parser.add_argument("--each-alike", action="store_true", help="each part as large as the animal")
     parser.add_argument("--quick", action="store_true", help="one generated animal, few triangles")
     given = parser.parse_args()
     given.out.parent.mkdir(parents=True, exist_ok=True)
@@ -141,7 +152,7 @@ def main() -> None:
     else:
         cache = meshes.unpack(given.data, given.cache)
         animals = [meshes.load(cache, name) for name in given.only.split(",")]
-    parts = [part for animal in animals for part in parts_of(animal)]
+    parts = [part for animal in animals for part in parts_of(animal, given.each_alike)]
     results = {load: measure(parts, load, triangles) for load in LOADS}
     rows = [
         (load, *(f"{value:.4f}" for value in (result["error"], result["gain"], result["shown"])),

@@ -41,9 +41,11 @@ def inflate(mask: np.ndarray, params: Inflation, flatness: float = 1.0) -> Aspec
     sqrt-poisson is the root of a membrane under a constant load (Baran and Lehtinen 2009): a strip becomes a round
     limb. The others are the membrane (or plate, with `bending`) itself under the load of (6.4) in one of its forms.
     """
+    from scipy.ndimage import binary_fill_holes
+
     spacing = max(np.sqrt(2.3 * mask.sum() / params.triangles), 0.8)
     points, triangles = triangulate_mask(mask, spacing, params.smoothing)
-    lifting = load(mask, params)
+    lifting = load(binary_fill_holes(mask), params)  # as the triangulation is
     if params.bending > 0:
         bending = (params.bending * _largest_radius(mask)) ** 2
         heights = finite_elements.plate(points, triangles, lifting, bending, 1.0)

@@ -100,3 +100,12 @@ def test_completing_does_not_depend_on_how_much_of_the_image_lies_around():
     filled = completed(own, silhouette)
     assert (filled & ~own).any()
     assert (completed(own[60:140, 50:150], silhouette[60:140, 50:150]) == filled[60:140, 50:150]).all()
+
+
+@pytest.mark.parametrize("load", LOADS)
+def test_a_pinhole_changes_nothing(load):
+    whole = strip(size=180)
+    pierced = whole.copy()
+    pierced[90, 80] = False
+    params = Inflation(load=load, triangles=600)
+    assert inflate(pierced, params).heights == pytest.approx(inflate(whole, params).heights, rel=0.02)
