@@ -7,30 +7,37 @@ their distances are standardised by.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from tempfile import TemporaryFile
 from typing import BinaryIO
 
 import numpy as np
 
-from ipcli.models.brdf import autoencoder, divergence
+from ipcli.models.brdf import autoencoder, divergence, material
 from ipcli.models.brdf import scenes as generated
 from ipcli.models.brdf.library import Library
-from ipcli.models.brdf.material import statistics
 from ipcli.models.brdf.parameters import Coding
 from ipcli.models.brdf.solid import pictured
 from ipcli.rng import stream
 
 SIDE = 96  # of the pictures
 PATCH, EACH = 7, 200  # side of a patch, patches of a picture
-PICTURES = {"taught": 24, "held": 12, "asked": 24}  # of each material
+PICTURES = {"taught": 24, "held": 48, "asked": 24}  # of each material
 QUICK = {"taught": 2, "held": 2, "asked": 2}
 FEW = Coding(iterations=8)
+MEASURES = (*divergence.ORDERS, "error")
 WAYS = {
     "divergence as printed": ("printed",),
     "divergence, the mean last": ("fixed",),
     "error of reading back": ("error",),
     "divergence and error": ("fixed", "error"),
 }
+LEARNT = {  # linear discriminants, learnt on the held-out pictures
+    "divergence and error, learnt": ("fixed", "error"),
+    "colour and statistics, learnt": ("statistics",),
+    "all of these, learnt": ("fixed", "error", "statistics"),
+}
+LIBRARY = "colour and statistics, the library's"  # it has seen these probes
 
 
 def shares(shelf: Library, metals: np.ndarray, quick: bool) -> dict[str, tuple[float, float]]:
@@ -38,21 +45,49 @@ def shares(shelf: Library, metals: np.ndarray, quick: bool) -> dict[str, tuple[f
     counts = QUICK if quick else PICTURES
     coding = FEW if quick else Coding()
     looks = [look(shelf, index, counts, coding) for index in range(len(shelf.materials))]
-    answers: dict[str, list[int]] = {name: [] for name in (*WAYS, "colour and statistics")}
-    truth = []
-    for index in range(len(shelf.materials)):
-        for picture, mask in pictures(shelf, index, "asked", counts["asked"]):
-            truth.append(index)
-            patches = autoencoder.patches(picture, mask, PATCH, EACH)
-            for name, measures in WAYS.items():
-                answers[name].append(divergence.nearest(looks, patches, measures))
-            posterior = shelf.classifier.posterior(statistics(pictured(picture, mask, 72)))
-            answers["colour and statistics"].append(int(posterior.argmax()))
-    right = np.array(truth)
+    held, asked = (seen(shelf, looks, use, counts[use]) for use in ("held", "asked"))
+    answers = {name: np.argmin(asked.far(measures), axis=1) for name, measures in WAYS.items()}
+    for name, groups in LEARNT.items():
+        learnt = material.learn(held.features(groups), held.truth, len(shelf.materials))
+        answers[name] = learnt.posterior(asked.features(groups)).argmax(axis=1)
+    answers[LIBRARY] = shelf.classifier.posterior(asked.statistics).argmax(axis=1)
+    right = asked.truth
     return {
         name: (float((told == right).mean()), float((metals[told] == metals[right]).mean()))
-        for name, told in ((name, np.array(found)) for name, found in answers.items())
+        for name, told in answers.items()
     }
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What is seen of n pictures of b materials."""
+
+    truth: np.ndarray  # (n,) index of the material
+    measures: dict[str, np.ndarray]  # (n, b) how far the patches are from each material
+    statistics: np.ndarray  # (n, f) of the whole picture
+
+    def far(self, measures: tuple[str, ...]) -> np.ndarray:
+        """Some measures added (n, b)."""
+        return np.sum([self.measures[measure] for measure in measures], axis=0)
+
+    def features(self, groups: tuple[str, ...]) -> np.ndarray:
+        """What a classifier learns from, side by side (n, .): measures by their names, or `statistics`."""
+        parts = [self.statistics if group == "statistics" else self.measures[group] for group in groups]
+        return np.concatenate(parts, axis=1)
+
+
+def seen(shelf: Library, looks: list[divergence.Look], use: str, count: int) -> Seen:
+    """All pictures of a use, of every material."""
+    truth, rows = [], []
+    measures: dict[str, list[list[float]]] = {name: [] for name in MEASURES}
+    for index in range(len(shelf.materials)):
+        for picture, mask in pictures(shelf, index, use, count):
+            patches = autoencoder.patches(picture, mask, PATCH, EACH)
+            for name, lines in measures.items():
+                lines.append([one.far(patches, name) for one in looks])
+            rows.append(material.statistics(pictured(picture, mask, 72)))
+            truth.append(index)
+    return Seen(np.array(truth), {name: np.array(lines) for name, lines in measures.items()}, np.array(rows))
 
 
 def look(shelf: Library, index: int, counts: dict[str, int], coding: Coding) -> divergence.Look:

@@ -22,7 +22,7 @@ from ipcli.inverse.regularize.owl_qn import minimise
 from ipcli.models.brdf.parameters import Coding
 
 LEAST = 1e-4  # mean activation that the divergence of sparsity is held to
-BATCH = 2048  # patches
+BATCH = 512  # patches; of some hundred numbers each, these stay in the cache
 
 Batches = Callable[[], Iterator[np.ndarray]]  # (b, d) each, at every call the same from the start
 
@@ -94,9 +94,10 @@ def loss(vector: np.ndarray, batches: Batches, units: int, params: Coding) -> tu
     for x in batches():
         layer = Layer.of(vector, x.shape[1], units)
         h = layer.code(x)
-        off, steep = layer.read(h) - x, h * (1 - h)
+        off, steep = layer.read(h), h * (1 - h)
+        off -= x
         inner = off @ layer.back.T * steep
-        m, squares = m + len(x), squares + float((off**2).sum())
+        m, squares = m + len(x), squares + float(np.vdot(off, off))
         total = total + Layer(x.T @ inner, inner.sum(axis=0), h.T @ off, off.sum(axis=0)).vector()
         by_mean = by_mean + np.vstack([x.T @ steep, steep.sum(axis=0), h.sum(axis=0)])
     mean = by_mean[-1] / m

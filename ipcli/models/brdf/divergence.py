@@ -53,8 +53,3 @@ def look(coder: Coder, taught: Batches, held: list[np.ndarray]) -> Look:
         values = np.array([raw(coder, mean, patches, measure) for patches in held])
         own[measure] = (float(values.mean()), max(float(values.std()), 1e-6))
     return Look(coder, mean, own)
-
-
-def nearest(looks: list[Look], patches: np.ndarray, measures: tuple[str, ...] = ("fixed", "error")) -> int:
-    """Index of the material that the patches are least far from, the measures added."""
-    return int(np.argmin([sum(one.far(patches, measure) for measure in measures) for one in looks]))

@@ -1,12 +1,20 @@
 """The tables of the experiments of chapter 7 on made-up errors, and objects of our own that are in one piece."""
 
+from dataclasses import fields, replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.ndimage import label
 
 from experiments.brdf import page, painted, reliefs, scenes
+from experiments.brdf.scenes import Case
+from ipcli.models.brdf.grid import normals
+from ipcli.models.brdf.parameters import Inference
 from ipcli.rng import stream
 
+AXIS = np.linspace(-1, 1, 12)
+HILL = 1.5 - np.hypot(*np.meshgrid(AXIS, AXIS)) ** 2
 NONE = [0.3, 0.3, 2.0, np.nan]
 ORACLES = {"true rim": NONE, "true map, as a solid": NONE}
 ROWS = {
@@ -24,6 +32,24 @@ def test_means_are_geometric_for_mit_and_count_what_is_worse():
     assert lines["ours"][4:] == ["+0 %", "1 of 2"]
     lines = {line[0]: line for line in page.summary("diligent", ROWS)}
     assert lines["ours"][1] == "0.25"
+
+
+def test_an_ablation_changes_one_thing():
+    asked = page.ablations(Inference())
+    ours = asked.pop("always a solid")
+    assert ours == replace(Inference(), rim="solid")
+    weights = asked["no forces (prior normals), as a solid"].solid.weights
+    assert (weights.normal, weights.bending) == (0.0, ours.solid.weights.bending)
+    for other in asked.values():
+        assert sum(getattr(other, f.name) != getattr(ours, f.name) for f in fields(Inference)) == 1
+
+
+def test_methods_that_are_named_are_measured_alone(monkeypatch):
+    monkeypatch.setattr(page, "reconstruct", lambda colour, mask, shelf, params: SimpleNamespace(height=HILL))
+    case = Case("hill", "hill", np.ones((12, 12, 3)), HILL > 0, normals(HILL, HILL > 0), HILL)
+    found = page.measured(case, None, Inference(), ("always a solid",))
+    assert list(found) == ["flat", "inflation", "always a solid"]
+    assert found["always a solid"][0] < 1e-6 < found["flat"][0]
 
 
 def test_what_was_measured_is_written(tmp_path):
