@@ -5,7 +5,7 @@
 # a folder of the layout of sample_data/motions, or a clips artefact, with ACTORS to choose settings on.
 
 BENCH := .venv/.bench
-BENCHMARKS := fusion-solver fusion-baselines fusion-scaling fusion-memory mocap-gibbs mocap-speed mocap-peers gaze-paths \
+BENCHMARKS := fusion-solver fusion-baselines fusion-scaling fusion-memory fusion-tiles mocap-gibbs mocap-speed mocap-peers gaze-paths \
     saliency-speed brdf-speed brdf-solvers
 MOTIONS ?= sample_data/motions
 ACTORS ?= ann,bob

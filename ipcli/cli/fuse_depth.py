@@ -28,12 +28,8 @@ def main(views: Path, output: Path, params: FuseDepth, run: Run) -> None:
 
     with options.progress("fuse-depth", run) as tell:
         if params.every:
-            outcomes = fuse_depth.run_all(views, output, params, run, tell)
+            facts = fuse_depth.summary_of_all(output, fuse_depth.run_all(views, output, params, run, tell))
         else:
-            outcomes = {output: fuse_depth.run(views, output, params, run, tell)}
-    if run.json and params.every:
-        options.conclude({"outputs": {str(path): outcome.value for path, outcome in outcomes.items()}}, run)
-    elif params.every:
-        options.conclude(output, run)
-    else:
-        options.conclude(fuse_depth.summary(output), run, with_figures=True)
+            fuse_depth.run(views, output, params, run, tell)
+            facts = fuse_depth.summary(output)
+    options.conclude(facts, run, with_figures=True)

@@ -19,7 +19,8 @@ from ipcli.stages.gaze.parameters import ImportRecording
 def main(recording: Path, output: Path, params: ImportRecording, run: Run) -> None:
     """Turn RECORDING, the folder of a data set, into one file: pictures, calibration, gaze, truth."""
     from ipcli.stages.gaze import import_recording
+    from ipcli.stages.kit import summary
 
     with options.progress("import-recording", run) as tell:
         import_recording.run(recording, output, params, run, tell)
-    options.conclude(output, run)
+    options.conclude(summary.of_recording(output), run, with_figures=True)

@@ -29,11 +29,8 @@ def main(folder: Path, poses: Path, output: Path, params: KittiViews, run: Run) 
     are left alone.
     """
     from ipcli.stages.fusion import kitti_views
+    from ipcli.stages.kit import summary
 
     with options.progress("kitti-views", run) as tell:
         outcomes = kitti_views.run(folder, poses, output, params, run, tell)
-    if run.json:
-        options.conclude({"outputs": {str(path): outcome.value for path, outcome in outcomes.items()}}, run)
-    else:
-        for path in outcomes:
-            options.conclude(path, run)
+    options.conclude(summary.of_items(output, outcomes), run, with_figures=True)

@@ -20,7 +20,7 @@ def check(meshes: tuple[Path, ...], run: Run) -> None:
 
     sound = [check_mesh.check(path) for path in meshes]
     for facts in sound:
-        options.conclude(facts, run)
+        options.conclude(check_mesh.told(facts), run)
     if not all(facts["watertight"] for facts in sound):
         raise click.exceptions.Exit(1)
 

@@ -257,23 +257,32 @@ class Teller:
 
 def conclude(result: Path | Mapping[str, Any], run: Run, *, with_figures: bool = False) -> None:
     """The result on stdout: with --json one object ({"output": path} for a path), else the path, or each
-    `key: value`; with `with_figures` the path and below it the others.
+    `key: value`; with `with_figures` the path and below it the others. Of a dry run, which has no result, nothing, or
+    the object without figures.
     """
     facts = result if isinstance(result, Mapping) else {"output": result}
+    if run.dry_run:
+        facts = {key: facts[key] for key in ("output", "outputs") if key in facts} | {"dry_run": True}
     if run.json:
         click.echo(json.dumps(_jsonable(facts), allow_nan=False))
+    elif run.dry_run:
+        return
     elif "output" in facts:
         click.echo(str(facts["output"]))
         for key, value in facts.items():
             if with_figures and key != "output":
                 click.echo(f"{key.replace('_', ' ')}: {_told(value)}")
     else:
-        click.echo("\n".join(f"{key}: {_told(value)}" for key, value in facts.items()))
+        click.echo("\n".join(f"{key.replace('_', ' ')}: {_told(value)}" for key, value in facts.items()))
 
 
 def _told(value: Any) -> str:
-    """A figure in words; of several by name `front 0.91, side 0.88`."""
-    return ", ".join(f"{name} {item}" for name, item in value.items()) if isinstance(value, Mapping) else str(value)
+    """A figure in words, with four digits or more; of several by name `front 0.91, side 0.88`."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {_told(item)}" for name, item in value.items())
+    if isinstance(value, float):
+        return f"{value:.0f}" if 1e4 <= abs(value) < 1e15 else f"{value:.4g}"
+    return {True: "yes", False: "no"}[value] if isinstance(value, bool) else str(value)
 
 
 def _jsonable(value: Any) -> Any:

@@ -21,7 +21,8 @@ def main(mesh: Path, output: Path, params: RenderViews, run: Run) -> None:
     with them.
     """
     from ipcli.stages.fusion import render_views
+    from ipcli.stages.kit import summary
 
     with options.progress("render-views", run) as tell:
         render_views.run(mesh, output, params, run, tell)
-    options.conclude(output, run)
+    options.conclude(summary.of_views(output), run, with_figures=True)

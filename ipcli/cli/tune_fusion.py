@@ -27,4 +27,4 @@ def main(files: tuple[Path, ...], output: Path, params: TuneFusion, run: Run) ->
 
     with options.progress("tune-fusion", run) as tell:
         tune_fusion.run(files, output, params, run, tell)
-    options.conclude(output, run)
+    options.conclude(tune_fusion.summary(output), run, with_figures=True)

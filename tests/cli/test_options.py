@@ -118,7 +118,29 @@ def test_json_is_strict_whatever_numbers_come(capsys):
 def test_text_is_the_output_or_each_fact(capsys):
     options.conclude({"output": Path("a.h5"), "rmse": 1.0}, Run())
     options.conclude({"rmse": 1.0, "views": 3}, Run())
-    assert capsys.readouterr().out == "a.h5\nrmse: 1.0\nviews: 3\n"
+    assert capsys.readouterr().out == "a.h5\nrmse: 1\nviews: 3\n"
+
+
+def test_numbers_have_four_digits_on_the_console_and_all_in_json(capsys):
+    facts = {
+        "output": "x",
+        "volume": np.float64(123456.789),
+        "by_side": {"left": 1 / 3},
+        "closed": True,
+        "faces": 123456,
+    }
+    options.conclude(facts, Run(), with_figures=True)
+    assert capsys.readouterr().out == "x\nvolume: 123457\nby side: left 0.3333\nclosed: yes\nfaces: 123456\n"
+    options.conclude(facts, Run(json=True))
+    assert json.loads(capsys.readouterr().out)["by_side"]["left"] == 1 / 3
+
+
+def test_a_dry_run_names_no_result(capsys):
+    for result in (Path("x.h5"), {"output": "x.h5", "points": 3}):
+        options.conclude(result, Run(dry_run=True), with_figures=True)
+        assert capsys.readouterr().out == ""
+        options.conclude(result, Run(dry_run=True, json=True))
+        assert json.loads(capsys.readouterr().out) == {"output": "x.h5", "dry_run": True}
 
 
 def test_a_figure_is_text_on_the_console_and_a_number_in_json(capsys):

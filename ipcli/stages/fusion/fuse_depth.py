@@ -37,7 +37,7 @@ from ipcli.stages.fusion.sources import middle, open_source, source_files
 from ipcli.stages.kit import outputs
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
 from ipcli.stages.kit.pages import page, turning_page
-from ipcli.stages.kit.summary import Figure, of_result
+from ipcli.stages.kit.summary import Figure, of_items, of_result
 
 log = logging.getLogger(__name__)
 SUMMED_UP = (
@@ -88,6 +88,27 @@ def summary(output: Path) -> dict[str, Any]:
     if "warnings" in found:
         facts["warnings"] = Figure(found["warnings"].tolist(), "; ".join(found["warnings"].tolist()))
     return facts
+
+
+def summary_of_all(folder: Path, outcomes: Mapping[Path, Outcome]) -> dict[str, Any]:
+    """The few figures a person wants of the fused maps of a sequence."""
+    facts = of_items(folder, outcomes)
+    there = [summary(path) for path in outcomes if path.is_file()]
+    if not there:
+        return facts
+    noise = [one["noise"].value for one in there]
+    mean = float(np.mean([one["scale"] for one in noise]))
+    least, most = (pick(one["scale"] for one in noise) for pick in (min, max))
+    unit, domain = noise[0]["unit"], noise[0]["domain"]
+    facts["noise"] = Figure(
+        {"scale": mean, "unit": unit, "domain": domain},
+        f"{mean:.3g} {unit} ({domain}) on average, {least:.3g} to {most:.3g}",
+    )
+    for name in ("observed", "filled"):
+        share = float(np.mean([one[name].value for one in there]))
+        facts[name] = Figure(share, f"{share:.1%} of the pixels, on average")
+    warned = sum("warnings" in one for one in there)
+    return facts | ({"warnings": Figure(warned, f"of {warned} maps")} if warned else {})
 
 
 def run_all(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from ipcli.stages.fusion.parameters import TuneFusion
 from ipcli.stages.fusion.sources import open_scene
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.summary import of_result
 
 
 def run(files: Sequence[Path], output: Path, params: TuneFusion, run: Run, progress: Progress = silent) -> Outcome:
@@ -29,6 +31,14 @@ def run(files: Sequence[Path], output: Path, params: TuneFusion, run: Run, progr
         raise ParameterError("none of these methods has a lambda to tune")
     job = Job(output, "fusion-tuning", "tune-fusion", params, tuple(files), page(output, "fusion-tuning"))
     return make(job, lambda: tuning_arrays(files, params, run.executor, progress), run)
+
+
+@of_result
+def summary(output: Path) -> dict[str, Any]:
+    """The best lambda of each method, and by which measure."""
+    found = h5.read(output, "fusion-tuning", only=lambda name: name in ("scenes", "methods", "best", "measure")).arrays
+    best = dict(zip(found["methods"].tolist(), found["best"].tolist(), strict=True))
+    return {"scenes": len(found["scenes"]), "measure": str(found["measure"]), "best_lambda": best}
 
 
 def tuning_arrays(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from enum import Enum
 from functools import wraps
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,14 @@ def of_result(figures: Callable[[Path], Mapping[str, Any]]) -> Callable[[Path], 
     return summary
 
 
+def of_items(folder: Path, outcomes: Mapping[Path, Enum]) -> dict[str, Any]:
+    """The name of a folder as `output`, and how each of the files in it that a command was to make came about."""
+    ends = [end.value for end in outcomes.values()]
+    counts = ", ".join(f"{ends.count(end)} {end}" for end in dict.fromkeys(ends))
+    outputs = {str(path): end for path, end in zip(outcomes, ends, strict=True)}
+    return {"output": folder, "outputs": Figure(outputs, counts or "none")}
+
+
 @of_result
 def of_views(output: Path) -> dict[str, Any]:
     """How many views a `views` artefact holds, what they measure and in which unit."""
@@ -41,6 +50,21 @@ def of_views(output: Path) -> dict[str, Any]:
     found = h5.read(output, "views", lambda name: name in ("unit", "measured") or name.endswith("/intrinsics")).arrays
     count = sum(name.endswith("/intrinsics") for name in found)
     return {"views": count, "measured": str(found["measured"]), "unit": str(found["unit"])}
+
+
+@of_result
+def of_recording(output: Path) -> dict[str, Any]:
+    """How many frames a `recording` artefact holds, over how long, and what it has besides."""
+    from ipcli.io.files import h5
+
+    times = h5.read(output, "recording", lambda name: name == "times").arrays["times"]
+    names, seconds = h5.names(output), float(times[-1] - times[0]) if len(times) else 0.0
+    has = [word for word in ("gaze", "depth", "truth", "targets") if any(word in name.split("/") for name in names)]
+    return {
+        "frames": len(times),
+        "length": Figure(seconds, f"{seconds:.4g} s"),
+        "holds": Figure(has, ", ".join(["pictures", *has])),
+    }
 
 
 @of_result

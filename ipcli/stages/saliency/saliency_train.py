@@ -48,7 +48,8 @@ def learnt(places: tuple[Path, ...], params: SaliencyTrain, run: Run, progress: 
 def summary(output: Path) -> dict[str, Any]:
     """The few figures a person wants of a model."""
     arrays = h5.read(output, KIND, lambda name: not name.startswith("trees/")).arrays
+    counted = "labelled vertices" if arrays["subject"] == "surfaces" else "fixations"
     return {
-        "learnt from": f"{len(arrays['items'])} {arrays['subject']}, {int(arrays['fixations'])} fixations",
+        "learnt from": f"{len(arrays['items'])} {arrays['subject']}, {int(arrays['fixations'])} {counted}",
         "features": len(arrays["features"]),
     }

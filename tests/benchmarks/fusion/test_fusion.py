@@ -7,7 +7,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from benchmarks.fusion import baselines, cloud, problem, scaling, scene, shifts, solver, solvers, tsdf
+from benchmarks.fusion import baselines, cloud, problem, scaling, scene, shifts, solver, solvers, tiles, tsdf
 from ipcli.io.files import h5
 from ipcli.io.views import artefact
 from ipcli.measurements.views import View
@@ -181,3 +181,12 @@ def test_the_gains_of_shifted_poses_are_those_that_the_warning_goes_by(tmp_path)
     shifts.main([str(tmp_path / "a.views.h5"), "--quick", "--output", str(tmp_path)])
     (rows,) = json.loads((tmp_path / "fusion_shifts.json").read_text())["tables"].values()
     assert [row["every"] for row in rows] == [3]
+
+
+def test_a_map_in_tiles_stands_beside_that_at_once():
+    whole, tiled = tiles.rows_of((60, 80), (32,))
+    assert (whole["side"], tiled["side"]) == (0, 32)
+    assert tiled["apart, median"] <= tiled["99 %"] <= tiled["greatest"]
+    assert tiled["apart, median"] < 0.1
+    assert tiled["error"] == pytest.approx(whole["error"], rel=0.1)
+    assert tiled["views read, times"] > 1

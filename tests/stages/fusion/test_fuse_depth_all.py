@@ -123,7 +123,7 @@ def test_the_command_line_prints_the_folder_or_each_outcome_and_ends_with_1_if_o
         "median",
     ]
     assert main(arguments) == 0
-    assert capsys.readouterr().out == f"{tmp_path / 'out'}\n"
+    assert capsys.readouterr().out.startswith(f"{tmp_path / 'out'}\noutputs: 3 done\nnoise: ")
     assert main([*arguments, "--json", "-q"]) == 0
     told = json.loads(capsys.readouterr().out)["outputs"]
     assert told == {str(tmp_path / "out" / f"0{i}.fused.h5"): "up to date" for i in (0, 2, 4)}
@@ -133,3 +133,14 @@ def test_the_command_line_prints_the_folder_or_each_outcome_and_ends_with_1_if_o
     error = capsys.readouterr().err
     assert error.startswith("Error: 1 of 3 items failed (02: ")
     assert (tmp_path / "out" / "04.fused.h5").exists()
+
+
+def test_the_maps_of_a_sequence_are_summed_up(whole):
+    paths = sorted(whole.glob("*.h5"))
+    told = fuse_depth.summary_of_all(whole, dict.fromkeys(paths, Outcome.UP_TO_DATE))
+    scales = [float(h5.read(path, "fused-depth").arrays["noise_scale"]) for path in paths]
+    assert told["noise"].value["scale"] == pytest.approx(np.mean(scales))
+    assert str(told["outputs"]) == "5 up to date"
+    assert f"{min(scales):.3g} to {max(scales):.3g}" in str(told["noise"])
+    assert 0.9 < told["observed"].value <= 1
+    assert list(fuse_depth.summary_of_all(whole, {whole / "none.h5": Outcome.WOULD_RUN})) == ["output", "outputs"]

@@ -30,6 +30,12 @@ def tuned(files, tmp_path_factory):
     return path
 
 
+def test_the_best_lambda_of_each_method_is_told(tuned):
+    told, arrays = tune_fusion.summary(tuned), h5.read(tuned, "fusion-tuning").arrays
+    assert told["best_lambda"] == dict(zip(["tv-l1", "l1-adapt (ama)"], arrays["best"], strict=True))
+    assert (told["scenes"], told["measure"]) == (2, SMALL.measure)
+
+
 def test_each_figure_is_that_of_the_method_at_that_lambda(files, tuned):
     arrays = h5.read(tuned, "fusion-tuning").arrays
     assert list(arrays["methods"]) == ["tv-l1", "l1-adapt (ama)"]

@@ -2,7 +2,11 @@
 
 from pathlib import Path
 
-from ipcli.stages.kit.summary import of_clips, of_result, of_views
+import numpy as np
+
+from ipcli.io.files import h5
+from ipcli.stages.kit.artefact import Outcome
+from ipcli.stages.kit.summary import of_clips, of_items, of_recording, of_result, of_views
 from tests.fixtures import fusion_scenes, mocap_clips
 from tests.fixtures.mocap_bodies import ACTIONS
 
@@ -31,3 +35,22 @@ def test_views_and_clips_are_counted(tmp_path):
     told = of_clips(clips)
     assert (told["clips"], told["actions"]) == (2, 2)
     assert told["frames"] > 2
+
+
+def test_the_files_of_a_folder_are_counted_by_how_they_came_about(tmp_path):
+    ends = {tmp_path / "a.h5": Outcome.DONE, tmp_path / "b.h5": Outcome.UP_TO_DATE, tmp_path / "c.h5": Outcome.DONE}
+    told = of_items(tmp_path, ends)
+    assert told["output"] == tmp_path
+    assert str(told["outputs"]) == "2 done, 1 up to date"
+    assert told["outputs"].value[str(tmp_path / "b.h5")] == "up to date"
+    assert str(of_items(tmp_path, {})["outputs"]) == "none"
+
+
+def test_a_recording_is_told_by_its_length_and_what_it_holds(tmp_path, monkeypatch):
+    (tmp_path / "a.h5").write_bytes(b"")
+    held = h5.Artefact("recording", 1, {"times": np.array([2.0, 2.5, 14.25])}, {})
+    monkeypatch.setattr(h5, "read", lambda *given: held)
+    monkeypatch.setattr(h5, "names", lambda path: ("frames/0/depth", "frames/0/left", "gaze/times", "times"))
+    told = of_recording(tmp_path / "a.h5")
+    assert (told["frames"], str(told["length"]), told["length"].value) == (3, "12.25 s", 12.25)
+    assert str(told["holds"]) == "pictures, gaze, depth"

@@ -27,6 +27,7 @@ def test_a_model_holds_no_pickle_and_says_what_it_was_learnt_from(place):
     assert int(arrays["fixations"]) == 72
     assert len(arrays["trees/feature"]) == 3
     assert saliency_train.summary(place / "pictures.h5")["learnt from"] == "3 pictures, 72 fixations"
+    assert saliency_train.summary(place / "surfaces.h5")["learnt from"].endswith(" labelled vertices")
 
 
 def test_a_picture_that_was_not_learnt_from_is_bright_where_its_disc_is(place):
