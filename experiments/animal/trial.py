@@ -1,4 +1,4 @@
-"""One animal, several methods: `python -m experiments.animal.trial NAME OUT.json --cache DIR [--views ...] [--blind]`.
+"""One animal, several methods: `python -m experiments.animal.trial NAME OUT.json --cache DIR [--sets ...]`.
 
 Part masks are rendered from the ground truth with real occlusion; cameras are estimated from them (scale and shift by
 the silhouettes; with --blind only the first view has a name, and the rest are found by the overlap of all labels; a
@@ -23,7 +23,7 @@ from ipcli.geometry.part_masks import framed, render
 from ipcli.io.files import atomic
 from ipcli.measurements.part_images import PartImage
 from ipcli.models.animal import baselines, whole
-from ipcli.models.animal.parameters import Modelling
+from ipcli.models.animal.parameters import FIELDS, MERGES, SEARCHES, Modelling, Volume
 from ipcli.models.animal.placing import placed
 
 LONGEST = 350  # pixels of the longer side of the animal in each image
@@ -118,16 +118,19 @@ def main() -> None:
     parser.add_argument("--noise", type=float, default=0.0)
     parser.add_argument("--blind", action="store_true")
     parser.add_argument("--alone", action="store_true", help="our method only")
+    parser.add_argument("--merge", choices=MERGES, default="hull")
+    parser.add_argument("--field", choices=FIELDS, default="sdf")
+    parser.add_argument("--search", choices=SEARCHES, default="image")
     given = parser.parse_args()
     animal = meshes.load(given.cache, given.name)
+    params = Modelling(volume=Volume(merge=given.merge, field=given.field), search=given.search)
     rows = {
-        name: run(
-            animal, SETS[name], given.blind, given.noise, Modelling(), () if given.alone else AGAINST.get(name, ())
-        )
+        name: run(animal, SETS[name], given.blind, given.noise, params, () if given.alone else AGAINST.get(name, ()))
         for name in given.sets.split(",")
     }
     about = {"name": given.name, "species": meshes.SPECIES.get(given.name, given.name), "noise": given.noise,
-             "blind": given.blind, "development": given.name in meshes.DEVELOPMENT, "sets": rows}  # fmt: skip
+             "blind": given.blind, "development": given.name in meshes.DEVELOPMENT, "params": asdict(params),
+             "sets": rows}  # fmt: skip
     atomic.write_text(given.out, json.dumps(about, indent=1) + "\n")
 
 

@@ -52,7 +52,7 @@ def as_printed(images: Sequence[PartImage], cameras: Sequence[Orthographic], tre
         for shot in shots:
             if (shot.image.name, part) in lifted and (carved[part] < 0).any():
                 fields.append(_aspect_field(carved[part], shot, lifted[shot.image.name, part]))
-    phi = level_sets.flow(np.minimum.reduce(fields), params.volume.steps * level_sets.STABLE)
+    phi = level_sets.flow(np.minimum.reduce(fields), params.volume.rounding * level_sets.STABLE)
     return level_sets.mesh(phi, grid.spacing, grid.origin)
 
 

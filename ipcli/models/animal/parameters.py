@@ -13,6 +13,7 @@ SEARCHES = ("image", "view", "twopoint", "hybrid")
 OTHER_POSES = ("bend", "ignore")
 METHODS = ("primal-dual", "irls")
 GROUPS = ("similarity", "affine")
+KEPT_STEPS, FREE_STEPS = 20, 2  # of flow where silhouettes stay covered, and where nothing holds a limb
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,19 @@ class Volume:
         choices=FIELDS,
     )
     voxels: int = option(96, "Voxels along the longest side.", flag="--voxels", low=24, high=400)
-    steps: int = option(20, "Steps of mean curvature flow on the whole, a sixth of a squared voxel each.", low=0)
+    steps: int | None = option(
+        None,
+        "Steps of mean curvature flow on the whole, a sixth of a squared voxel each; none: 20 for hull, 2 else: there "
+        "no silhouette keeps a limb, and one of radius sqrt(steps / 3) voxels is gone.",
+        low=0,
+    )
+
+    @property
+    def rounding(self) -> int:
+        """The number of steps that are taken."""
+        if self.steps is not None:
+            return self.steps
+        return KEPT_STEPS if self.merge == "hull" else FREE_STEPS
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ NORMALS, BASE = 1.0, 1.0  # of (6.14)
 DISTANCE = 10.0  # of (6.15)
 PENETRATION = 2.0  # of E_cg
 
-FLAT = 0.02  # Gaussian curvature, over the squared size, that has no sign
+FLAT = 0.02  # product of Gaussian and outline curvature, over sizes, that has no sign: one of both is flat
 CROSSED = 0.5  # least sine between the normals of both points: of others v = n1 x n2 is all noise
 CHUNK = 2000  # pairs whose rays are cast at once
 OFF = 1e-3  # of the size: rays pass that far outside the surface, not through its vertex
@@ -99,14 +99,13 @@ class OutlinePoints:
     def pair(self, surface: SurfaceSamples) -> OutlinePoints | None:
         """The two points that fewest samples of the surface admit, with normals that cross; None without such."""
         share = np.array([(curvature_cost(surface, k) == 0).mean() for k in self.curvature])
-        order = np.argsort(np.where(share < ADMISSIBLE, 2.0, share), kind="stable")
+        order = np.argsort(share, kind="stable")
         order = order[share[order] >= ADMISSIBLE]
-        for k in order[:1]:
-            crossed = np.abs(_cross(self.normals[k], self.normals[order])) > CROSSED
-            if crossed.any():
-                both = [int(k), int(order[np.argmax(crossed)])]
-                return OutlinePoints(self.points[both], self.normals[both], self.curvature[both])
-        return None
+        crossed = np.abs(_cross(self.normals[order[:1]], self.normals[order])) > CROSSED
+        if not crossed.any():
+            return None
+        both = order[[0, np.argmax(crossed)]]
+        return OutlinePoints(self.points[both], self.normals[both], self.curvature[both])
 
 
 def _cross(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -122,9 +121,8 @@ def curvature_cost(surface: SurfaceSamples, curvature: float) -> np.ndarray:
     least = surface.least if curvature > 0 else -np.inf
     most = surface.largest if curvature > 0 else surface.least
     away = np.maximum(np.maximum(least - curvature, curvature - most), 0.0) * surface.size
-    gauss = surface.least * surface.largest * surface.size**2
-    wrong = (np.abs(gauss) > FLAT) & (np.sign(gauss) != np.sign(curvature))
-    return CURVATURE * away + SIGN * wrong
+    signs = surface.least * surface.largest * curvature * surface.size**3
+    return CURVATURE * away + SIGN * (signs < -FLAT)
 
 
 def pair_costs(surface: SurfaceSamples, pair: OutlinePoints) -> np.ndarray:

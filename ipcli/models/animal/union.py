@@ -1,7 +1,8 @@
-"""The parts as the thesis merges them: the union of all aspects of a part, each a rigid closed surface (6.3.2).
+"""The parts as the thesis merges them: the union of all aspects of a part, each a closed surface of its own (6.3.2).
 
-An aspect lies in its image plane, in the middle of where the labels of all images allow the part. Beside `parts`, no
-silhouette cuts it: whatever one aspect bulges out too far stays.
+The cameras say how the aspects of a part are turned to each other; along its view an aspect lies in the plane that goes
+through the middle of where the labels of all images allow the part (an affine map, as the thesis has them: a leg that
+leans away from the viewer leans). Beside `parts`, no silhouette cuts it: what one aspect bulges out too far stays.
 """
 
 from __future__ import annotations
@@ -13,9 +14,8 @@ import numpy as np
 from ipcli.geometry import level_sets
 from ipcli.geometry.distances import to_surface
 from ipcli.geometry.meshes import contains
-from ipcli.geometry.orthographic import Orthographic
 from ipcli.geometry.triangulation import reflect, triangulate_mask
-from ipcli.geometry.voxels import VoxelGrid
+from ipcli.geometry.voxels import Sight, VoxelGrid
 from ipcli.models.animal.parts import OUTSIDE, Shot, spans
 
 REACH = 4.0  # voxels around an aspect in which its field is known
@@ -59,9 +59,8 @@ def placed_surface(heights: np.ndarray, shot: Shot, allowed: np.ndarray) -> tupl
     except ValueError:
         return None
     vertices, faces = reflect(points, triangles, _sampled(heights, points))
-    middle, half = spans(allowed, sight)
-    depth = float(np.median(middle[half > 0])) * sight.pixels / shot.camera.scale
-    return _lifted(vertices, depth, shot.camera), faces
+    depth = _depths(allowed, sight, vertices[:, :2]) * sight.pixels + vertices[:, 2]
+    return shot.camera.lift(vertices[:, :2], depth / shot.camera.scale), faces
 
 
 def _sampled(picture: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -70,8 +69,14 @@ def _sampled(picture: np.ndarray, points: np.ndarray) -> np.ndarray:
     return map_coordinates(picture.astype(np.float64), points.T[::-1], order=1, mode="nearest")
 
 
-def _lifted(vertices: np.ndarray, depth: float, camera: Orthographic) -> np.ndarray:
-    return camera.lift(vertices[:, :2], depth + vertices[:, 2] / camera.scale)
+def _depths(allowed: np.ndarray, sight: Sight, pixels: np.ndarray) -> np.ndarray:
+    """The depth (n,) in voxels, at pixels (n, 2), of the plane through the middle of a part's place."""
+    middle, half = spans(allowed, sight)
+    known = half > 0
+    corner = np.array([sight.columns.min(), sight.rows.min()])
+    cells = np.argwhere(known)[:, ::-1] * sight.pixels + corner
+    plane = np.linalg.lstsq(np.column_stack([cells, np.ones(len(cells))]), middle[known])[0]
+    return pixels @ plane[:2] + plane[2]
 
 
 def implicit(vertices: np.ndarray, faces: np.ndarray, grid: VoxelGrid, field: str) -> np.ndarray:

@@ -124,16 +124,16 @@ def merged(fields: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume) 
     """The field of the whole, rounded as `params.merge` says."""
     least = np.minimum.reduce(list(fields)).astype(np.float32)
     if params.merge == "union":
-        return union.smoothed(least, params.steps).astype(np.float32)
+        return union.smoothed(least, params.rounding).astype(np.float32)
     if params.merge == "clip":
-        return level_sets.flow(least, params.steps * level_sets.STABLE).astype(np.float32)
+        return level_sets.flow(least, params.rounding * level_sets.STABLE).astype(np.float32)
     sights = [shot.sight for shot in shots]
     outlines = [shot.sight.silhouette_distance(shot.image.silhouette) for shot in shots]
     whole = np.maximum.reduce(outlines)
     wanted = [rims.wanted_depth(sight, rim) for sight, rim in zip(sights, outlines, strict=True)]
     covered = rims.keep_rims(least, whole, sights, wanted)
     bound = np.maximum(whole, np.minimum(least, covered) - SLACK)
-    return rims.round_off(least, bound, sights, outlines, params.steps)
+    return rims.round_off(least, bound, sights, outlines, params.rounding)
 
 
 def labels_at(fields: Sequence[np.ndarray], grid: VoxelGrid, points: np.ndarray) -> np.ndarray:

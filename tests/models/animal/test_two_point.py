@@ -54,6 +54,8 @@ def test_the_energy_is_0_at_the_truth_and_gives_the_view(scene):
     costs = tp.pair_costs(samples, pair)
     assert costs[0, 1] == pytest.approx(0, abs=1e-12)
     assert (costs >= 0).all()
+    base = samples.points[1] - samples.points[0]  # (6.15) as printed is not 0 here, it has the depth in it
+    assert np.linalg.norm(base) > 1.02 * np.linalg.norm(pair.points[1] - pair.points[0])
     rotations, energies = tp.views(samples, pair, body, 1)
     assert energies[0] < 0.05  # the rays pass a thousandth outside an ellipsoid, whose mesh is a little smaller
     assert np.allclose(rotations[0], ROTATION, atol=1e-6)
@@ -124,6 +126,11 @@ def test_proposition_61_is_false_at_a_hyperbolic_point_and_the_corrected_cost_is
     top = np.array([(-(a * x**2 + 2 * b * x * s + c * s**2) / 2).max() for s in y])
     assert np.polyfit(y, top, 2)[0] == pytest.approx(-outline / 2, abs=1e-4)
     assert outline < least < 0 < largest  # (6.12) would have it in [least, largest]
+    rim = np.array([-b / a, 1.0])  # where the slope along x is 0
+    sine = 1 / np.linalg.norm(rim)  # of the angle between x and the rim
+    normal_curvature = rim @ [[a, b], [b, c]] @ rim * sine**2
+    assert normal_curvature == pytest.approx(sine**2 * outline)  # (6.11), of the rim's normal curvature
+    assert outline < least <= normal_curvature < 0
     point = SurfaceSamples(np.zeros((1, 3)), np.eye(3)[2:], np.array([least]), np.array([largest]), 1.0)
     assert tp.curvature_cost(point, outline)[0] == 0
     assert tp.curvature_cost(point, 0.5 * least)[0] == pytest.approx(-tp.CURVATURE * 0.5 * least)

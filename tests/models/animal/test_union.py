@@ -52,6 +52,16 @@ def scene():
     return whole.shots_of(images, cameras, grid), grid
 
 
+def test_an_aspect_leans_as_its_place_does(scene):
+    shots, grid = scene
+    front = shots[1]
+    leaning = np.abs(grid.points()[..., 0] - 0.4 * grid.points()[..., 2]) / grid.spacing - 3
+    heights = np.where(front.image.mask(2), np.float32(5.0), np.float32(0))
+    vertices, _ = union.placed_surface(heights, front, leaning.astype(np.float32))
+    away = vertices[:, 0] - 0.4 * vertices[:, 2]
+    assert np.abs(away).max() == pytest.approx(5 / front.camera.scale, abs=0.7 * grid.spacing)
+
+
 def test_an_aspect_lies_in_its_image_plane_in_the_middle_of_its_place(scene):
     shots, _ = scene
     torso = carve(shots, limbs.TREE)[0]
