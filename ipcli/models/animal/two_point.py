@@ -104,7 +104,7 @@ class OutlinePoints:
         crossed = np.abs(_cross(self.normals[order[:1]], self.normals[order])) > CROSSED
         if not crossed.any():
             return None
-        both = order[[0, np.argmax(crossed)]]
+        both = order[[0, int(np.argmax(crossed))]]
         return OutlinePoints(self.points[both], self.normals[both], self.curvature[both])
 
 
