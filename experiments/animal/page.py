@@ -71,10 +71,11 @@ def rows_of(results: list[dict]) -> list[dict]:
         "others": [r for r in results if not r["development"]],
     }
     for group, members in groups.items():
-        for views in members[0]["sets"] if members else ():
-            for method in members[0]["sets"][views]["methods"]:
-                values = [member["sets"][views]["methods"][method] for member in members]
-                row = {"animals": f"{group} ({len(members)})", "views": views, "method": method}
+        for views in dict.fromkeys(views for member in members for views in member["sets"]):
+            found = [member["sets"][views]["methods"] for member in members if views in member["sets"]]
+            for method in found[0]:
+                values = [methods[method] for methods in found]
+                row = {"animals": f"{group} ({len(values)})", "views": views, "method": method}
                 row |= {key: float(np.mean([value[key] for value in values])) for key in MEASURES}
                 rows.append(row | {"worst mean": float(max(value["mean"] for value in values))})
     return rows
@@ -85,9 +86,10 @@ def bars_of(results: list[dict]) -> list[tuple[str, str, str, str, str]]:
     judged = [result for result in results if not result["development"]] or results
     found = []
     for views, (bar, goal) in BARS.items():
-        if views not in judged[0]["sets"]:
+        means = [one["sets"][views]["methods"]["ours"]["mean"] for one in judged if views in one["sets"]]
+        if not means:
             continue
-        mean = float(np.mean([result["sets"][views]["methods"]["ours"]["mean"] for result in judged]))
+        mean = float(np.mean(means))
         found.append((f"mean distance, {views}", f"{mean:.4f}", f"{bar}", f"{goal}", _verdict(mean, bar, goal)))
     for name in ("horse0", "horse10", "horse15"):
         for result in (r for r in results if r["name"] == name and "two silhouettes" in r["sets"]):
@@ -119,13 +121,20 @@ def _verdict(value: float, bar: float, goal: float) -> str:
 
 def each(results: list[dict]) -> Markup:
     """The mean distance of every animal."""
-    columns = [(views, method) for views, one in results[0]["sets"].items() for method in one["methods"]]
+    pairs = ((views, method) for r in results for views, one in r["sets"].items() for method in one["methods"])
+    columns = list(dict.fromkeys(pairs))
     rows = []
     for result in results:
-        means = [result["sets"][views]["methods"][method]["mean"] for views, method in columns]
+        means = [result["sets"].get(views, {"methods": {}})["methods"].get(method) for views, method in columns]
         printed = THESIS.get(result["species"])
         star = " (development)" if result["development"] else ""
-        rows.append((f"{result['name']} {result['species']}{star}", *(f"{mean:.4f}" for mean in means), printed or ""))
+        rows.append(
+            (
+                f"{result['name']} {result['species']}{star}",
+                *("" if mean is None else f"{mean['mean']:.4f}" for mean in means),
+                printed or "",
+            )
+        )
     heads = [f"{method}, {views}" for views, method in columns]
     return table(("animal", *heads, "thesis, other meshes"), rows)
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from ipcli.geometry.orthographic import Orthographic, named
 from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal import by_parts, whole
@@ -39,13 +37,24 @@ def placed(
     views = [image.view for image in images]
     if not any(views):
         views[0] = FIRST
-    order = [k for k, view in enumerate(views) if view] + [k for k, view in enumerate(views) if not view]
-    anchors = [k for k in order if views[k]]
+    anchors = [k for k, view in enumerate(views) if view]
     rotations = [named(str(views[k])) for k in anchors]
     cameras = dict(zip(anchors, align([images[k].silhouette for k in anchors], rotations), strict=True))
-    searched = [k for k in order if not views[k]]
-    if not searched:
-        return [cameras[k] for k in range(len(images))]
+    searched = [k for k, view in enumerate(views) if not view]
+    if searched:
+        _search(images, tree, params, cameras, searched, progress)
+    return [cameras[k] for k in range(len(images))]
+
+
+def _search(
+    images: Sequence[PartImage],
+    tree: PartTree,
+    params: Modelling,
+    cameras: dict[int, Orthographic],
+    searched: list[int],
+    progress: Progress,
+) -> None:
+    """Add the cameras of all images that are searched."""
     rough = replace(
         params,
         inflation=replace(params.inflation, triangles=min(TRIANGLES, params.inflation.triangles)),
@@ -54,25 +63,25 @@ def placed(
     heights = {key: a.picture for i in images for key, a in lift_all([i], tree, rough.inflation).items()}
 
     def find(k: int) -> tuple[Orthographic, float]:
-        others = [other for other in order if other in cameras and other != k]
+        others = [other for other in cameras if other != k]
         seen, known = [images[o] for o in others], [cameras[o] for o in others]
-        surface = _modelled(seen, known, tree, heights, rough)
+        fields, shots, grid = whole.parts_of(seen, known, tree, heights, rough.volume)
+        surface = whole.surface(fields, shots, grid, rough.volume)
         if params.search != "image":
             return by_parts.find_camera(images[k], surface, list(zip(seen, known, strict=True)), params.search), 0.0
         return find_camera(images[k], cloud_of(surface.vertices, surface.faces, surface.face_part), seen, known)
 
+    order = searched
     if params.search == "image" and _is_flat([*cameras.values()]):
-        searched = _deepest_first({k: find(k) for k in searched}, cameras[anchors[0]])
-    work = [k for _ in range(ROUNDS if len(searched) > 1 else 1) for k in searched]
+        order = _deepest_first({k: find(k) for k in searched}, next(iter(cameras.values())))
+    work = order * (ROUNDS if len(searched) > 1 else 1)
     for done, k in enumerate(work):
         progress(done / len(work), f"camera of {images[k].name}")
         cameras[k], _ = find(k)
         if params.search == "image" and not _is_flat([*cameras.values()]):
-            placed_now = sorted(cameras)
-            seen, known = [images[o] for o in placed_now], [cameras[o] for o in placed_now]
-            better = adjusted(seen, known, [not views[o] for o in placed_now])
-            cameras |= dict(zip(placed_now, better, strict=True))
-    return [cameras[k] for k in range(len(images))]
+            seen, known = [images[o] for o in cameras], [*cameras.values()]
+            better = adjusted(seen, known, [o in searched for o in cameras])
+            cameras.update(zip(cameras, better, strict=True))
 
 
 def _deepest_first(found: Mapping[int, tuple[Orthographic, float]], known: Orthographic) -> list[int]:
@@ -81,18 +90,6 @@ def _deepest_first(found: Mapping[int, tuple[Orthographic, float]], known: Ortho
     """
     order = sorted(found, key=lambda k: -found[k][1])
     return sorted(order, key=lambda k: abs(found[k][0].direction @ known.direction) > OBLIQUE)
-
-
-def _modelled(
-    images: Sequence[PartImage],
-    cameras: Sequence[Orthographic],
-    tree: PartTree,
-    heights: Mapping[tuple[str, int], np.ndarray],
-    params: Modelling,
-) -> whole.PartedSurface:
-    """A rough model from images with these cameras."""
-    fields, shots, grid = whole.parts_of(images, cameras, tree, heights, params.volume)
-    return whole.surface(fields, shots, grid, params.volume)
 
 
 def _is_flat(cameras: Sequence[Orthographic]) -> bool:
