@@ -39,8 +39,10 @@ def ground(path: Path, side: int = 300) -> None:
     ply.write(path, np.stack([x, y, z], axis=-1).reshape(-1, 3).astype(np.float32), faces=faces)
 
 
-def ipcli(*words: object) -> tuple[str, float]:
-    """What a command said on stderr, and the peak of its resident set in MB; RuntimeError if it fails."""
+def ipcli(*words: object) -> tuple[str, float, float]:
+    """What a command said on stderr, the peak of its resident set in MB and its CPU seconds; RuntimeError if it
+    fails.
+    """
     with tempfile.TemporaryFile("w+") as said:
         child = subprocess.Popen(
             [sys.executable, "-m", "ipcli", *map(str, words)], stderr=said, stdout=subprocess.DEVNULL
@@ -51,7 +53,7 @@ def ipcli(*words: object) -> tuple[str, float]:
         text = said.read()
     if child.returncode:
         raise RuntimeError(text.strip().splitlines()[-1])
-    return text, used.ru_maxrss * (1 if sys.platform == "darwin" else 1024) / 1e6
+    return text, used.ru_maxrss * (1 if sys.platform == "darwin" else 1024) / 1e6, used.ru_utime + used.ru_stime
 
 
 def measured(folder: Path, width: int, height: int, views: int, limit: str) -> dict[str, Any]:
@@ -65,11 +67,11 @@ def measured(folder: Path, width: int, height: int, views: int, limit: str) -> d
             "render-views", mesh, "-o", source, "--path", "strip", "--views", views, "--noise", "laplace:0.6", *camera
         )
     output = folder / f"{limit}.fused.h5"
-    text, peak = ipcli("fuse-depth", source, "-o", output, "--max-memory", limit, "-v", *SETTINGS)
+    text, peak, cpu = ipcli("fuse-depth", source, "-o", output, "--max-memory", limit, "-v", *SETTINGS)
     found = SAID.search(text)
     way, amount = (found[1], float(found[2]) * (1000 if found[3] == "GB" else 1)) if found else ("not said", None)
     row = {"Mpx": width * height / 1e6, "K": views, "limit": limit, "way": way, "said MB": amount, "peak MB": peak}
-    return row | {"peak / said": peak / amount if amount else None}
+    return row | {"peak / said": peak / amount if amount else None, "CPU s": cpu}
 
 
 def main(arguments: list[str] | None = None) -> None:
