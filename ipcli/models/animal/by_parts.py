@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ipcli.errors import NoSolution
 from ipcli.geometry.distances import to_surface
 from ipcli.geometry.meshes import edges
 from ipcli.geometry.orthographic import Orthographic
@@ -32,7 +33,10 @@ FINENESS = 0.5  # cell of a silhouette, and how near to the surface of the whole
 def find_camera(
     image: PartImage, surface: PartedSurface, known: Sequence[tuple[PartImage, Orthographic]], search: str
 ) -> Orthographic:
-    """The camera of an image that sees a rough model of known images as the image shows it."""
+    """The camera of an image that sees a rough model of known images as the image shows it.
+
+    NoSolution if no part shows enough of its outline.
+    """
     whole = (surface.vertices.astype(np.float64), surface.faces)
     side = FINENESS * spacing_of(*whole)
     scale = scale_of(image, known)
@@ -42,8 +46,10 @@ def find_camera(
             body = Mesh(vertices.astype(np.float64), faces)
             skin = to_surface(body.vertices, whole) < side
             rotations += proposals(image, part, body, skin, scale, side, search)
+    if not rotations:
+        raise NoSolution(f"{image.name}: no part shows enough of its own outline; --search image needs none")
     points = spread(*whole)
-    cameras = [shape_matched(image, rotation, points, scale, side) for rotation in rotations or [np.eye(3)]]
+    cameras = [shape_matched(image, rotation, points, scale, side) for rotation in rotations]
     middles = {part: vertices.mean(axis=0) for part, (vertices, _) in surface.parts.items()}
     return min(cameras, key=lambda camera: misplaced(camera, image, middles))
 
@@ -52,7 +58,7 @@ def proposals(
     image: PartImage, part: int, body: Mesh, skin: np.ndarray, scale: float, side: float, search: str
 ) -> list[np.ndarray]:
     """Rotations (3, 3) under which one part, a closed mesh, looks like its mask; `skin` (n,) are the vertices of it
-    that are no cut, `scale` the image's in pixels a unit of the world, and `side` that of a voxel.
+    that are no cut, `scale` the image's in pixels a unit of the world, and `side` that of a cell of silhouettes.
     """
     mask = completed(image.mask(part), image.silhouette)
     outline = PartOutline(spread(body.vertices, body.faces), side, Silhouette.of(pixels_of(mask) / scale, side))
@@ -61,7 +67,10 @@ def proposals(
     samples = SurfaceSamples.of(body.vertices, body.faces)
     chosen = np.flatnonzero(skin)
     samples = samples.chosen(chosen[:: max(len(chosen) // SAMPLES, 1)])
-    pair = OutlinePoints.of(image, part, scale).pair(samples) if len(chosen) else None
+    try:
+        pair = OutlinePoints.of(image, part, scale).pair(samples) if len(chosen) else None
+    except ValueError:  # too thin a mask for a smooth contour
+        pair = None
     if pair is None:
         return []
     rotations, _ = views(samples, pair, body, 1 if search == "twopoint" else SHORTLIST)

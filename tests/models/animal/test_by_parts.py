@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ipcli.errors import NoSolution
 from ipcli.geometry.orthographic import angle_between, looking
 from ipcli.geometry.raycast import Mesh
 from ipcli.measurements.part_images import pixels_of
-from ipcli.models.animal import by_parts, placing
+from ipcli.models.animal import by_parts, part_views, placing
 from ipcli.models.animal.parameters import SEARCHES, Inflation, Modelling, Volume
 from ipcli.models.animal.part_views import PartOutline, Silhouette
 from ipcli.models.animal.whole import PartedSurface
@@ -50,11 +51,14 @@ def test_the_proposal_is_taken_under_which_the_parts_lie_right(scene, monkeypatc
     monkeypatch.setattr(by_parts, "proposals", lambda *rest: proposed)
     found = by_parts.find_camera(shots[2][0], surface, shots[:2], "view")
     assert np.array_equal(found.rotation, proposed[2])
+    monkeypatch.setattr(by_parts, "proposals", lambda *rest: [])
+    with pytest.raises(NoSolution, match="askew: no part shows enough"):
+        by_parts.find_camera(shots[2][0], surface, shots[:2], "twopoint")
 
 
 def test_a_part_proposes_views_of_itself(scene, monkeypatch):
-    monkeypatch.setattr(by_parts, "SAMPLES", 400)
-    monkeypatch.setattr("ipcli.models.animal.part_views.DIRECTIONS", 100)
+    monkeypatch.setattr(part_views, "DIRECTIONS", 100)
+    monkeypatch.setattr(by_parts, "SAMPLES", 300)
     surface, shots = scene
     image, camera = shots[2]
     whole = replace(image, labels=(image.labels > 0).astype(np.int16))
@@ -69,6 +73,9 @@ def test_a_part_proposes_views_of_itself(scene, monkeypatch):
     outline = PartOutline(by_parts.spread(vertices, faces), side, shown)
     assert outline.overlap(found["hybrid"][0]) > outline.overlap(found["twopoint"][0])  # which does not fix the view
     assert by_parts.proposals(whole, 0, body, ~skin, camera.scale, side, "twopoint") == []  # all of it is a cut
+    thin = replace(image, labels=np.zeros((90, 90), np.int16))
+    thin.labels[10, 5:80] = 1
+    assert by_parts.proposals(thin, 0, body, skin, camera.scale, side, "twopoint") == []
 
 
 @pytest.mark.parametrize("search", SEARCHES[1:])
