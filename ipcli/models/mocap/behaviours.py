@@ -28,6 +28,8 @@ from ipcli.models.mocap.parameters import BODY, MOTION, Learning
 from ipcli.models.mocap.projection import Projection
 
 LEAST_FRAMES = 2  # of an action that can be learnt
+PER_COMPONENT = ("component_action", "component_group", "log_weight", "dof", "draw")  # arrays of numbers of components
+SHAPES = ("location", "chol")  # where components are and how wide
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,6 +200,31 @@ def of_arrays(arrays: Mapping[str, Any]) -> Model:
 
     predictives = tuple(tuple(cell(a, g) for g in range(len(groups))) for a in range(len(actions)))
     return Model(actions, groups, tuple(projections), predictives, arrays["alpha"])
+
+
+def fold_arrays(models: Sequence[Model]) -> dict[str, np.ndarray]:
+    """Models of the same actions and groups as flat arrays; `of_fold_arrays` is the inverse. As `arrays`, the
+    components of one model after those of the other, in single precision.
+    """
+    each = [arrays(model) for model in models]
+    found = {name: np.stack([one[name] for one in each]) for name in ("alpha", "dimensions")}
+    found |= {name: _padded([one[name] for one in each]) for name in ("shift", "matrix")}
+    found |= {name: np.concatenate([one[name] for one in each]) for name in PER_COMPONENT}
+    found |= {name: _padded([x for one in each for x in one[name]]).astype(np.float32) for name in SHAPES}
+    found["component_model"] = np.repeat(np.arange(len(each)), [len(one["dof"]) for one in each])
+    return {f"fold_{name}": values for name, values in found.items()}
+
+
+def of_fold_arrays(arrays: Mapping[str, Any]) -> tuple[Model, ...]:
+    """The models that `fold_arrays` wrote into the arrays of a model of all people; none where there are none."""
+    shared, found = {name: arrays[name] for name in ("actions", "groups", "features")}, []
+    for number in range(len(arrays.get("fold_alpha", ()))):
+        rows = arrays["fold_component_model"] == number
+        own = {name: arrays[f"fold_{name}"][number] for name in ("alpha", "dimensions", "shift", "matrix")}
+        own |= {name: arrays[f"fold_{name}"][rows] for name in PER_COMPONENT}
+        own |= {name: arrays[f"fold_{name}"][rows].astype(np.float64) for name in SHAPES}
+        found.append(of_arrays(shared | own))
+    return tuple(found)
 
 
 def body_arrays(

@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from ipcli.errors import ParameterError
-from ipcli.models.mocap import recognition
+from ipcli.models.mocap import open_set, recognition
+from ipcli.models.mocap.calibration import threshold
 from ipcli.models.mocap.motions import Motions, number_actions
-from ipcli.models.mocap.novelty import measure
 from ipcli.models.mocap.parameters import Decision, Learning
 from ipcli.models.mocap.splits import Split
 from ipcli.models.mocap.training import Fit, LearntBehaviours, learn
@@ -43,16 +43,13 @@ def evaluate_left_out(
     for action in names:
         learnt = learn(without(train, action), learning, decision, seed, fit, f"without {action}: ")
         tables.append(_ask(learnt, test, action, learning, decision))
-    return {
-        key: np.stack([table[key] for table in tables])
-        if key in ("threshold", "surprise_threshold")
-        else np.concatenate([table[key] for table in tables])
-        for key in tables[0]
-    } | {
+    found = {key: np.concatenate([table[key] for table in tables]) for key in tables[0]} | {
+        "threshold": np.array(threshold(decision)),
         "left_out": np.array(names, np.str_),
         "query_left_out": np.repeat(np.arange(len(names)), [len(table["clips"]) for table in tables]),
         "people": np.array(split.name),
     }
+    return found | open_set.figures(found)
 
 
 def _clips(known: Motions, rows: np.ndarray) -> Motions:
@@ -85,24 +82,21 @@ def _ask(
     rows = np.flatnonzero(numbers >= 0)
     keys, query = np.unique(test.clip[rows] * len(names) + numbers[rows], return_inverse=True)
     features = test.features(learnt.lengths, learning.features)
-    density = recognition.log_densities(learnt.model, {group: x[rows] for group, x in features.items()})
+    own = {group: x[rows] for group, x in features.items()}
+    density = recognition.log_densities(learnt.model, own)
     posterior = recognition.frame_posteriors(learnt.model, density, decision)
     surprise = recognition.novelty_scores(learnt.model, density)
-    told = recognition.answer(posterior, surprise, query, len(keys), decision)
-    reference = learnt.references.get(True)
-    if reference is None:
+    told, judges = recognition.answer(posterior, surprise, query, len(keys), decision), learnt.judges
+    if True not in judges.references:
         raise ParameterError(
             f"without '{action}' there is nothing to calibrate on: every action that is learnt must be shown by at "
             "least two people (or in two clips of a single one)"
         )
-    novelty = reference.novelty(measure(learnt.model, density, query, len(keys), decision))
     return {
         "clips": np.array([test.clips[key // len(names)].name for key in keys], np.str_),
         "truth": np.array([names[key % len(names)] for key in keys], np.str_),
         "best": np.array(learnt.model.actions, np.str_)[told.posterior.argmax(axis=1)],
         "posterior": told.posterior.max(axis=1),
-        "novelty": np.where(told.frames > 0, novelty, np.nan),
+        "novelty": judges.novelty(judges.log_densities(own), query, len(keys), decision, ordered=True),
         "surprise": told.novelty,
-        "threshold": np.array(reference.threshold(decision)),
-        "surprise_threshold": np.array(recognition.threshold(learnt.surprise, decision)),
     }

@@ -62,11 +62,11 @@ class Learning:
     )
     folds: int = option(
         5,
-        "parts of the people that are held out in turn to calibrate when the answer is none; each costs as much as the "
-        "model itself",
+        "parts of the people that are held out in turn to calibrate when the answer is none; each costs a light model",
         flag="--folds",
         low=2,
     )
+    fold_frames: int = option(200, "most frames of an action that those light models learn from", low=1)
     draws: int = option(2, "draws of the sampler that a prediction averages, at most", low=1)
     features: Features = field(default_factory=Features)
     mixture: Mixture = field(default_factory=Mixture)
@@ -90,5 +90,5 @@ class Decision:
     prior_successes: float = option(1.0, "kappa of (5.12), of every group", low=0.0)
     evidence: float = option(2.0, "independent frames that a clip counts as, at most; neighbours say the same", low=1.0)
     reject: float = option(
-        0.98, "share of the clips of people held out that must be named rather than called none", low=0.0, high=1.0
+        0.95, "share of new people's clips that must be named rather than called none", low=0.0, high=1.0
     )

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from ipcli.models.mocap import recognition
+from ipcli.models.mocap import calibration, recognition
 from ipcli.models.mocap.behaviours import Model
+from ipcli.models.mocap.fold_models import PART, FoldModels
 from ipcli.models.mocap.motions import NONE, Motions
-from ipcli.models.mocap.novelty import PART, PREFIXES, Reference, measure
 from ipcli.models.mocap.parameters import Decision
 from ipcli.models.mocap.recognition import Answer
 from ipcli.rng import stream
@@ -65,30 +65,35 @@ def _spans(known: Motions) -> np.ndarray:
 class Refusal(NamedTuple):
     """When the answer is none of the actions."""
 
-    threshold: float = np.inf  # novelty above which it is
-    reference: Reference | None = None  # what novelty is measured against; None: surprise is the novelty
-    surprise: float = np.inf  # surprise above which it is, of a query that does not show all groups
+    judges: FoldModels  # what they say of a whole clip decides, of recordings in order or of poses alone
+    densities: Sequence[np.ndarray]  # (f, a, g) of all frames, log, by each of their models
     ordered: bool = True  # whether the queries are recordings in order
-    least: float = 0.0  # posterior of the best action below which it is
+    whole: bool = True  # whether they are whole clips; a part of one says less, and surprise alone decides
+    is_allowed: bool = True  # the answer none
+    least: float = 0.0  # posterior of the best action below which it is none
 
+    @property
+    def by_judges(self) -> bool:
+        """Whether the models of the folds decide; else surprise alone does."""
+        return self.whole and self.ordered in self.judges.references
 
-def refusal(
-    model: Model,
-    stored: Mapping[str, np.ndarray],
-    decision: Decision,
-    *,
-    ordered: bool,
-    whole: bool = True,
-    least: float = 0.0,
-) -> Refusal:
-    """As the `behaviours` artefact of a model was calibrated, which was on whole clips; a part of one says less.
+    def threshold(self, decision: Decision) -> float:
+        """The novelty above which the answer is none."""
+        if not self.is_allowed:
+            return np.inf
+        return calibration.threshold(decision) if self.by_judges else self.surprise_threshold(decision)
 
-    Surprise alone decides about parts, and for a model that has no calibration.
-    """
-    reference = Reference.of_arrays(model.groups, stored, PREFIXES[ordered]) if whole else None
-    surprise = recognition.threshold(stored["novelty"], decision)
-    threshold = surprise if reference is None else reference.threshold(decision)
-    return Refusal(threshold, reference, surprise, ordered, least)
+    def surprise_threshold(self, decision: Decision) -> float:
+        """The surprise above which it is, where that alone decides."""
+        return recognition.threshold(self.judges.surprise, decision) if self.is_allowed else np.inf
+
+    def novelty(self, queries: Queries, frames: np.ndarray, decision: Decision) -> np.ndarray:
+        """How unlike held-out clips each query (q,) is to the judges, of so many frames (q,) that could be used; NaN of
+        those that do not show all groups, or are too short to be called none.
+        """
+        densities = [density[queries.rows] for density in self.densities]
+        found = self.judges.novelty(densities, queries.query, len(frames), decision, ordered=self.ordered)
+        return np.where(frames < PART, np.nan, found)
 
 
 def recognise(
@@ -99,15 +104,13 @@ def recognise(
     posterior = recognition.frame_posteriors(model, density, decision)
     surprise = recognition.novelty_scores(model, density)
     told = recognition.answer(posterior[rows], surprise[rows], queries.query, count, decision)
-    novelty, is_known = told.novelty, told.novelty <= refuse.surprise
-    if refuse.reference is not None:
-        asked = measure(model, density[rows], queries.query, count, decision, ordered=refuse.ordered)
-        few = told.frames < PART  # too few to be called none
-        whole = refuse.reference.is_comparable(asked) & ~few
-        novelty = np.where(whole, refuse.reference.novelty(asked), np.nan)
-        plain = is_known | (few & (told.frames > 0))
-        is_known = np.where(np.isfinite(novelty), novelty <= refuse.threshold, plain)
-    is_known &= told.posterior.max(axis=1) >= refuse.least
+    novelty, threshold = told.novelty, refuse.threshold(decision)
+    is_known = told.novelty <= refuse.surprise_threshold(decision)
+    if refuse.by_judges:
+        novelty = refuse.novelty(queries, told.frames, decision)
+        plain = is_known | ((told.frames < PART) & (told.frames > 0))
+        is_known = np.where(np.isfinite(novelty), novelty <= threshold, plain)
+    is_known &= told.posterior.max(axis=1) >= (refuse.least if refuse.is_allowed else 0.0)
     return {
         "clips": np.array([known.clips[index].name for index in queries.clip], np.str_),
         "frames": told.frames.astype(np.int64),
@@ -117,7 +120,7 @@ def recognise(
         "posterior": told.posterior,
         "novelty": novelty,
         "answers": np.array([*model.actions, NONE], np.str_)[np.where(is_known, told.action, recognition.NONE)],
-        "threshold": np.array(refuse.threshold, np.float64),
+        "threshold": np.array(threshold, np.float64),
         "group_posterior": group_shares(density, queries, told),
     } | query_labels(known, queries)
 

@@ -9,7 +9,7 @@ all of them, may be anything from a loop (the default) to a cluster.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,8 +18,9 @@ from ipcli.inverse.bayes.chain import TRACE
 from ipcli.inverse.bayes.mixture import Fitted, State
 from ipcli.models.mocap import behaviours, recognition
 from ipcli.models.mocap.behaviours import Model
+from ipcli.models.mocap.calibration import Fold
+from ipcli.models.mocap.fold_models import FoldModels
 from ipcli.models.mocap.motions import Motions, number_actions, with_mirror_images
-from ipcli.models.mocap.novelty import PART, PREFIXES, Fold, Reference
 from ipcli.models.mocap.parameters import Decision, Learning
 from ipcli.models.mocap.projection import Projection
 from ipcli.rng import stream
@@ -129,12 +130,8 @@ def learn_behaviours(
     return (
         behaviours.arrays(model)
         | behaviours.body_arrays(known.skeleton, known.groups, lengths, model.groups)
-        | {"novelty": learnt.surprise, **_counts(known, actions, names)}
-        | {
-            name: values
-            for ordered, reference in learnt.references.items()
-            for name, values in reference.arrays(PREFIXES[ordered]).items()
-        }
+        | learnt.judges.arrays()
+        | _counts(known, actions, names)
         | {"preferences": recognition.preference(model, decision)}
         | chain_diagnostics(learnt.training, learnt.fitted)
         | typical_poses(learnt.training, learnt.fitted, images.poses(lengths))
@@ -143,21 +140,20 @@ def learn_behaviours(
 
 @dataclass(frozen=True, eq=False)
 class LearntBehaviours:
-    """A model, and what clips of people held out say of when the answer is none."""
+    """A model, and what models of other people than clips were held out of say of when the answer is none."""
 
     model: Model
     lengths: np.ndarray  # (j,), bones of the common skeleton
     training: TrainingSet
     fitted: Mapping[str, Fitted]  # of each cell
-    references: Mapping[bool, Reference]  # of recordings in order (True) and of poses alone, where there are any
-    surprise: np.ndarray  # (v,), how unlike the poses of its best action each held-out clip is, ascending
+    judges: FoldModels
 
 
 def learn(
     known: Motions, learning: Learning, decision: Decision, seed: int, fit: Fit | None = None, name: str = ""
 ) -> LearntBehaviours:
-    """Learn from all labelled frames of the clips, and from all but a part of the people in turn; `name` starts the
-    names of the cells and so of the random streams.
+    """Learn from all labelled frames of the clips, and lightly from all but a part of the people in turn; `name` starts
+    the names of the cells and so of the random streams.
 
     Raises what learn_behaviours raises.
     """
@@ -166,29 +162,22 @@ def learn(
     names, actions = number_actions(known.labels)
     learnt = with_mirror_images(known) if learning.mirror else known
     features = learnt.features(lengths, learning.features)
-    rng = stream(seed, STAGE, f"frames{name}")
-    whole = TrainingSet.draw(features, number_actions(learnt.labels)[1], names, learning, rng)
-    splits = validation_splits(known, learnt, learning, seed, name)
+    numbers = number_actions(learnt.labels)[1]
+    whole = TrainingSet.draw(features, numbers, names, learning, stream(seed, STAGE, f"frames{name}"))
+    splits = validation_splits(known, features, learning, seed, name)
     every = {"": whole} | {prefix: split.training for prefix, split in splits.items()}
     found = fit({f"{name}{prefix}{cell}": x for prefix, one in every.items() for cell, x in one.points.items()})
     models = {
         prefix: one.model({cell: found[f"{name}{prefix}{cell}"] for cell in one.cells}) for prefix, one in every.items()
     }
-    model = models.pop("")
-    densities = {prefix: split.densities(models[prefix], known, actions) for prefix, split in splits.items()}
-    folds = [
-        splits[prefix].fold(models[prefix], density, known, actions)
-        for prefix, density in densities.items()
-        if models[prefix].actions == names
-    ]
-    references = {ordered: Reference.of_folds(folds, decision, ordered=ordered) for ordered in PREFIXES}
+    own = {group: x[: len(actions)] for group, x in features.items()}
+    folds = [split.fold(models[prefix], own, known, actions) for prefix, split in splits.items()]
     return LearntBehaviours(
-        model,
+        models[""],
         lengths,
         whole,
         {cell: found[f"{name}{cell}"] for cell in whole.cells},
-        {ordered: one for ordered, one in references.items() if one is not None},
-        held_out_surprise(models, splits, densities, known, actions, decision),
+        FoldModels.of_folds(folds, decision),
     )
 
 
@@ -197,48 +186,36 @@ class ValidationSplit:
     """A training set from a part of the people; the others tell how unlike what was learnt an action may look."""
 
     is_learnt: np.ndarray  # (c,) bool, the clips that are learnt from
-    features: Mapping[str, np.ndarray]  # (n, D) of each group, of all clips and of any mirror images after them; on the
-    # common skeleton of those that are learnt from
     training: TrainingSet
 
-    def rows(self, known: Motions, actions: np.ndarray) -> np.ndarray:
-        """The frames to validate on: labelled as an action that was learnt, in clips that were not."""
-        shown = np.isin(known.labels, self.training.names)
-        return np.flatnonzero(~self.is_learnt[known.clip] & (actions >= 0) & shown)
-
-    def densities(self, model: Model, known: Motions, actions: np.ndarray) -> np.ndarray:
-        """log densities (f, a, g) of these frames."""
-        rows = self.rows(known, actions)
-        return recognition.log_densities(model, {group: x[rows] for group, x in self.features.items()})
-
-    def fold(self, model: Model, density: np.ndarray, known: Motions, actions: np.ndarray) -> Fold:
-        """The clips to validate on, one of several actions as a clip for each."""
-        rows, count = self.rows(known, actions), len(model.actions)
+    def fold(self, model: Model, features: Mapping[str, np.ndarray], known: Motions, actions: np.ndarray) -> Fold:
+        """What the model says of the labelled frames of the other clips, by the features (n, D) of each group and the
+        actions (n,) of all frames; one of several actions counts as a clip for each.
+        """
+        rows, count = np.flatnonzero(~self.is_learnt[known.clip] & (actions >= 0)), len(model.actions)
+        density = recognition.log_densities(model, {group: x[rows] for group, x in features.items()})
         keys, query = np.unique(known.clip[rows] * count + actions[rows], return_inverse=True)
         return Fold(model, density, query, keys % count)
 
 
 def validation_splits(
-    known: Motions, learnt: Motions, learning: Learning, seed: int, name: str = ""
+    known: Motions, features: Mapping[str, np.ndarray], learning: Learning, seed: int, name: str = ""
 ) -> dict[str, ValidationSplit]:
-    """Learn from all but a part of the people each, or of the clips of a single one, to validate on that part.
+    """Learn lightly from all but a part of the people each, or of the clips of a single one, to validate on that part.
 
-    `learnt` is `known`, with mirror images after them if those are learnt. An action that nobody else shows cannot be
-    validated. By the prefix that the names of the cells get.
+    `features` (n, D) of each group are those of the clips, and of their mirror images after them if those are learnt.
+    Only the common skeleton is that of all. A split that would not know every action is left out: one that nobody else
+    shows cannot be validated. By the prefix that the names of the cells get.
     """
-    names, actions = number_actions(learnt.labels)
+    names, actions = number_actions(known.labels)
+    light = replace(learning, frames=min(learning.fold_frames, learning.frames))
     found = {}
     for number, kept in enumerate(_kept(known, learning.folds), 1):
-        own = np.where(np.resize(kept[known.clip], len(actions)), actions, -1)
-        shown = [action for action in range(len(names)) if (own == action).sum() >= behaviours.LEAST_FRAMES]
-        if shown:
-            renumbered = np.full(len(own), -1)
-            for index, action in enumerate(shown):
-                renumbered[own == action] = index
-            features = learnt.features(known.reference_lengths(np.flatnonzero(kept)), learning.features)
+        own = np.where(kept[known.clip], actions, -1)
+        if (np.bincount(own[own >= 0], minlength=len(names)) >= behaviours.LEAST_FRAMES).all():
+            own = np.resize(own, len(next(iter(features.values()))))
             rng = stream(seed, STAGE, f"frames{name}fold {number}")
-            training = TrainingSet.draw(features, renumbered, tuple(names[a] for a in shown), learning, rng)
-            found[f"fold {number}: "] = ValidationSplit(kept, features, training)
+            found[f"fold {number}: "] = ValidationSplit(kept, TrainingSet.draw(features, own, names, light, rng))
     return found
 
 
@@ -248,37 +225,6 @@ def _kept(known: Motions, folds: int) -> list[np.ndarray]:
     part = person if len(people) > 1 else np.arange(len(known.clips))
     folds = min(folds, len(people) if len(people) > 1 else 2, int(part.max()) + 1)
     return [part % folds != (number + 1) % folds for number in range(folds)] if folds > 1 else []
-
-
-def held_out_surprise(
-    models: Mapping[str, Model],
-    splits: Mapping[str, ValidationSplit],
-    densities: Mapping[str, np.ndarray],
-    known: Motions,
-    actions: np.ndarray,
-    decision: Decision,
-) -> np.ndarray:
-    """How unlike its best action each part of a few frames of a labelled clip is to a model of the others, ascending.
-
-    Parts, as a clip of many frames is less surprising by chance than a few of them. All by the same prefixes; actions
-    (n,) int of all frames, -1 where unlabelled.
-    """
-    scores = []
-    for prefix, model in models.items():
-        rows, density = splits[prefix].rows(known, actions), densities[prefix]
-        posterior = recognition.frame_posteriors(model, density, decision)
-        surprise = recognition.novelty_scores(model, density)
-        part = _parts(known.clip[rows])
-        scores.append(recognition.answer(posterior, surprise, part, int(part.max(initial=-1)) + 1, decision).novelty)
-    every = np.concatenate(scores) if scores else np.empty(0)
-    return np.sort(every[np.isfinite(every)])
-
-
-def _parts(clip: np.ndarray) -> np.ndarray:
-    """Number (f,) of the part of each frame: each clip (f,) in parts of PART frames or more, spread along it."""
-    _, first, index, count = np.unique(clip, return_index=True, return_inverse=True, return_counts=True)
-    parts = np.maximum(count // PART, 1)
-    return (np.cumsum(parts) - parts)[index] + (np.arange(len(clip)) - first[index]) % parts[index]
 
 
 def _counts(known: Motions, actions: np.ndarray, names: tuple[str, ...]) -> dict[str, np.ndarray]:

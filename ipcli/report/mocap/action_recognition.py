@@ -13,6 +13,8 @@ from ipcli.report.kit.page import page as document
 from ipcli.report.mocap import confusion, lanes
 
 MOST_ROWS = 400
+OF_CLIPS = "tells how few clips of people held out are as unlike their action: a tenth of them at 1, a hundredth at 2"
+OF_PARTS = "is the typical distance of the frames from all that was learnt of the answer"
 
 
 def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, widest: int = 0) -> str:
@@ -157,7 +159,7 @@ def _answers(arrays: Mapping[str, np.ndarray]) -> Markup:
     limit = float(arrays["threshold"])
     above = f"; above {number(limit)} the answer is none" if np.isfinite(limit) else ""
     lead = "The posterior is that of the action most like it, as if one of them it must be. "
-    lead += f"Novelty is the typical distance of the frames from all that was learnt of the answer{above}.{more}"
+    lead += f"Novelty {OF_CLIPS if str(arrays['queries']) == 'clip' else OF_PARTS}{above}.{more}"
     return section("Answers", table(columns, rows, warn=warn), lead=lead)
 
 

@@ -15,9 +15,10 @@ from ipcli.errors import NoSolution, ParameterError
 from ipcli.io.files import atomic, h5
 from ipcli.io.files.h5 import Artefact
 from ipcli.models.mocap import behaviours, queries, recognition
+from ipcli.models.mocap.fold_models import FoldModels
 from ipcli.models.mocap.motions import NONE, Motions, of_people
 from ipcli.models.mocap.parameters import Features
-from ipcli.models.mocap.queries import Queries
+from ipcli.models.mocap.queries import Queries, Refusal
 from ipcli.params import Run, resolve
 from ipcli.progress import Progress, silent
 from ipcli.stages.kit.artefact import Job, Outcome, make
@@ -144,7 +145,8 @@ def recognised_arrays(
     """
     model, body = behaviours.of_arrays(stored.arrays), behaviours.body_of_arrays(stored.arrays, "model")
     settings = resolve(Features, flags=stored.provenance["params"]["learning"]["features"])
-    density = recognition.log_densities(model, known.features(body.lengths, settings))
+    features = known.features(body.lengths, settings)
+    density = recognition.log_densities(model, features)
     ordered = params.motion and not params.unordered
     if not ordered:
         density = recognition.poses_alone(model, density)
@@ -155,10 +157,9 @@ def recognised_arrays(
         )
     progress(0.7, "answers")
     kind, asked = _queries(known, params, seed)
-    refuse = queries.refusal(
-        model, stored.arrays, params.decision, ordered=ordered, whole=kind == "clip", least=params.least
-    )
-    refuse = refuse if params.none else refuse._replace(threshold=np.inf, surprise=np.inf, least=0.0)
+    judges = FoldModels.of_arrays(stored.arrays)
+    densities = judges.log_densities(features, ordered=ordered) if kind == "clip" else []
+    refuse = Refusal(judges, densities, ordered, whole=kind == "clip", is_allowed=params.none, least=params.least)
     arrays = queries.recognise(model, density, known, asked, params.decision, refuse) | {"queries": np.array(kind)}
     return arrays | (queries.segments(known, arrays, asked) if kind == "window" else {})
 

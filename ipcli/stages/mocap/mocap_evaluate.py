@@ -16,7 +16,6 @@ from ipcli.models.mocap.motions import number_actions, select
 from ipcli.models.mocap.parameters import LEFT_OUT
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
-from ipcli.report.mocap import action_novelty
 from ipcli.report.mocap.action_evaluation import accuracy
 from ipcli.stages.kit.artefact import Job, Outcome, make_resumable
 from ipcli.stages.kit.checkpoint import Checkpoint
@@ -59,10 +58,9 @@ def figures(output: Path) -> dict[str, Any]:
 
 
 def _novelty_figures(found: Mapping[str, np.ndarray]) -> dict[str, Any]:
-    lost, caught = np.nanmean(action_novelty.shares(found), axis=0)
-    told = {"auc": np.nanmean(action_novelty.areas(found)), "unknown_caught": caught, "known_lost": lost}
-    told["auc_by_surprise"] = np.nanmean(action_novelty.areas(found, "surprise"))
-    return {"actions": len(found["left_out"])} | {name: round(float(share), 4) for name, share in told.items()}
+    names = {"auc": "area", "unknown_caught": "caught", "known_lost": "lost", "auc_by_surprise": "surprise_area"}
+    told = {name: round(float(np.nanmean(found[field])), 4) for name, field in names.items()}
+    return {"actions": len(found["left_out"])} | told
 
 
 def left_out_evaluation(

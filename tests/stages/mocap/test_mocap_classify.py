@@ -118,17 +118,26 @@ def test_below_the_least_posterior_the_answer_is_none(model, tmp_path):
     assert (found["answers"] == np.where(unsure, "none", plain["answers"])).all()
 
 
-def test_a_model_of_before_there_were_calibrations_is_still_asked(model, tmp_path):
-    """Its surprise decides, as it did."""
+def test_a_model_without_folds_is_still_asked(model, tmp_path):
+    """Surprise decides."""
     stored = h5.read(model, "behaviours")
-    old = {name: values for name, values in stored.arrays.items() if not name.startswith("held_out_")}
-    assert len(old) < len(stored.arrays)
-    h5.write(tmp_path / "old.model.h5", "behaviours", old, stored.provenance)
+    alone = {name: x for name, x in stored.arrays.items() if not name.startswith(("held_out_", "fold_"))}
+    assert len(alone) < len(stored.arrays)
+    h5.write(tmp_path / "alone.model.h5", "behaviours", alone, stored.provenance)
     source = write(tmp_path / "asked.clips.h5", [clip("kick", 3), clip("wave", 3)])
-    mocap_classify.run(tmp_path / "old.model.h5", [source], tmp_path / "y.h5", MocapClassify(), Run())
+    mocap_classify.run(tmp_path / "alone.model.h5", [source], tmp_path / "y.h5", MocapClassify(), Run())
     found = h5.read(tmp_path / "y.h5", "action-recognition").arrays
-    assert float(found["threshold"]) == np.quantile(old["novelty"], 0.98)
+    assert float(found["threshold"]) == np.quantile(alone["novelty"], 0.95)
     assert (found["posterior"].argmax(axis=1) == [1, 2]).all()
+
+
+@pytest.mark.parametrize("asked", [{}, {"motion": False}])
+def test_of_whole_clips_p_values_decide(model, tmp_path, asked):
+    classify(model, tmp_path, [clip("kick", 3), clip("kick", 3, frames=4, repeat=1)], **asked)
+    found = h5.read(tmp_path / "y.recognition.h5", "action-recognition").arrays
+    assert float(found["threshold"]) == pytest.approx(-np.log10(0.05))
+    assert np.isfinite(found["novelty"]).tolist() == [True, False]  # four frames are too few
+    assert found["answers"][1] == "kick"
 
 
 def test_a_window_has_all_its_frames(model, tmp_path):
