@@ -1,7 +1,7 @@
 """Chapter 7 measured: every method on every case, as CSV, JSON and a page with the bars.
 
 python -m experiments.brdf.page mit|diligent|synthetic|traced|painted|reliefs|development|materials --library FILE
-    -o FOLDER [--data FOLDER] [--quick] [--only METHOD ...]
+    -o FOLDER [--data FOLDER] [--quick] [--only METHOD ...] [--every N]
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import json
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +41,15 @@ BARS = {
     "materials": "1 of 5 in colour: 70 %; metal or not: 90 %",
 }
 
-EACH = ("flat", "inflation", "ours", "always a solid", "true rim", "true map, as a solid")  # shown for each object
+EACH = (  # shown for each object
+    "flat",
+    "inflation",
+    "ours",
+    "always a solid",
+    "true rim",
+    "true map, as a solid",
+    "patches in the prior, as a solid",
+)
 
 READERS: dict[str, Callable[[Path], Iterator[Case]]] = {
     "mit": scenes.mit,
@@ -291,6 +300,9 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, required=True)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--only", nargs="+", default=(), choices=tuple(ablations(Inference())), help="these alone")
+    parser.add_argument(
+        "--every", type=int, default=1, help="one case of so many; 5: one mix of each object of diligent"
+    )
     given = parser.parse_args()
     arrays = h5.read(given.library, "brdf-library").arrays
     if given.study == "materials":
@@ -304,7 +316,8 @@ def main() -> None:
         write_reliefs(given.output, list(reliefs.measured(shelf, given.quick)))
         return
     rows, groups, kinds = {}, {}, {}
-    for case in cases(given.study, given.data, shelf, arrays["is_metal"] > 0, given.quick):
+    every = cases(given.study, given.data, shelf, arrays["is_metal"] > 0, given.quick)
+    for case in islice(every, 0, None, given.every):
         rows[case.name], groups[case.name] = measured(case, shelf, Inference(), given.only), case.group
         kinds[case.name] = case.kind
     write(given.output, given.study, rows, groups, kinds)
