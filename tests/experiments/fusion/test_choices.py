@@ -28,7 +28,7 @@ def test_a_row_is_what_a_fusion_at_that_value_gives(tmp_path):
     assert len(found.rows) == choices.QUICK * len(choices.CHOICES["defaults"].tried)
     assert sum(row["shipped"] for row in found.rows) == len(choices.CHOICES["defaults"].tried)
     row = next(row for row in found.rows if row["setting"] == "fusion.edges.gain" and not row["shipped"])
-    params = resolve(FuseDepth, sets=[f"fusion.edges.gain={row['value']}"])
+    params = resolve(FuseDepth, sets=[*choices.ROUGHLY, f"fusion.edges.gain={row['value']}"])
     scene_of = open_scene(path, None, "auto")
     fused = fuse(scene_of.views, scene_of.reference, params.fusion, inverse=scene_of.inverse)
     columns, figures = scene_of.errors({"fused": EstimatedMap.of(fused)})
