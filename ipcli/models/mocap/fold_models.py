@@ -2,7 +2,8 @@
 
     judges = FoldModels.of_folds(folds, decision)                                 # when learning
     densities = judges.log_densities(features)                                    # of frames that are asked about
-    novelty = judges.novelty(densities, query, queries, decision, ordered=True)   # (q,), of whole clips
+    asked = judges.measured(densities, query, queries, decision, ordered=True)
+    novelty = judges.references[True].novelty(asked)                              # (q,), of whole clips
 
 Parts of clips say less than whole ones. Of them only the surprise of held-out parts is kept, for the model of all
 people.
@@ -18,7 +19,7 @@ import numpy as np
 from ipcli.models.mocap import behaviours, recognition
 from ipcli.models.mocap.behaviours import Model
 from ipcli.models.mocap.calibration import PREFIXES, Fold, Reference
-from ipcli.models.mocap.novelty import measure
+from ipcli.models.mocap.novelty import Measured, measure
 from ipcli.models.mocap.parameters import Decision
 
 PART = 5  # frames of the parts of clips that surprise is known of; fewer are not judged as whole clips are
@@ -66,20 +67,16 @@ class FoldModels:
         each = [recognition.log_densities(model, features) for model in self.models]
         return each if ordered else [recognition.poses_alone(*one) for one in zip(self.models, each, strict=True)]
 
-    def novelty(
+    def measured(
         self, densities: Sequence[np.ndarray], query: np.ndarray, queries: int, decision: Decision, *, ordered: bool
-    ) -> np.ndarray:
-        """Novelty (q,) of whole clips from the densities of their frames by each model; query (f,) int, the clip of
-        each frame. NaN of a clip that does not show all groups, or without a calibration.
+    ) -> list[Measured]:
+        """What each model says about queries, from its densities (f, a, g) of their frames; query (f,) int, the query
+        of each frame.
         """
-        if ordered not in self.references:
-            return np.full(queries, np.nan)
-        reference = self.references[ordered]
-        asked = [
+        return [
             measure(model, density, query, queries, decision, ordered=ordered)
             for model, density in zip(self.models, densities, strict=True)
         ]
-        return np.where(reference.is_comparable(asked[0]), reference.novelty(asked), np.nan)
 
 
 def surprise(

@@ -92,11 +92,12 @@ def _ask(
             f"without '{action}' there is nothing to calibrate on: every action that is learnt must be shown by at "
             "least two people (or in two clips of a single one)"
         )
+    asked = judges.measured(judges.log_densities(own), query, len(keys), decision, ordered=True)
     return {
         "clips": np.array([test.clips[key // len(names)].name for key in keys], np.str_),
         "truth": np.array([names[key % len(names)] for key in keys], np.str_),
         "best": np.array(learnt.model.actions, np.str_)[told.posterior.argmax(axis=1)],
         "posterior": told.posterior.max(axis=1),
-        "novelty": judges.novelty(judges.log_densities(own), query, len(keys), decision, ordered=True),
+        "novelty": judges.references[True].novelty(asked),
         "surprise": told.novelty,
     }

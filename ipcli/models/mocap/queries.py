@@ -91,9 +91,9 @@ class Refusal(NamedTuple):
         """How unlike held-out clips each query (q,) is to the judges, of so many frames (q,) that could be used; NaN of
         those that do not show all groups, or are too short to be called none.
         """
-        densities = [density[queries.rows] for density in self.densities]
-        found = self.judges.novelty(densities, queries.query, len(frames), decision, ordered=self.ordered)
-        return np.where(frames < PART, np.nan, found)
+        densities, reference = [one[queries.rows] for one in self.densities], self.judges.references[self.ordered]
+        asked = self.judges.measured(densities, queries.query, len(frames), decision, ordered=self.ordered)
+        return np.where(reference.is_comparable(asked[0]) & (frames >= PART), reference.novelty(asked), np.nan)
 
 
 def recognise(

@@ -28,7 +28,9 @@ def test_stored_models_judge_as_they_did(learnt):
     features, query = known.features(learnt.lengths, QUICK.features), known.clip
     back = FoldModels.of_arrays(behaviours.arrays(learnt.model) | learnt.judges.arrays())
     found = [
-        judges.novelty(judges.log_densities(features), query, 2, Decision(), ordered=True)
+        judges.references[True].novelty(
+            judges.measured(judges.log_densities(features), query, 2, Decision(), ordered=True)
+        )
         for judges in (learnt.judges, back)
     ]
     assert len(learnt.judges.models) == len(back.models) == 2
@@ -44,10 +46,9 @@ def test_unordered_frames_tell_nothing_of_motion(learnt):
     assert np.array(learnt.model.groups)[unseen].tolist() == ["motion"]
 
 
-def test_without_folds_nothing_is_told(learnt):
+def test_without_folds_there_is_nobody_to_judge(learnt):
     none = FoldModels.of_folds([], Decision())
-    _, query = clips(0, np.array([0, 1]))
-    assert np.isnan(none.novelty([], query, 2, Decision(), ordered=True)).all()
+    assert (none.models, none.references, len(none.surprise)) == ((), {}, 0)
     back = FoldModels.of_arrays(behaviours.arrays(learnt.model) | none.arrays())
     assert (back.models, len(back.references), len(back.surprise)) == ((), 0, 0)
 
