@@ -118,3 +118,8 @@ def test_scaling_keeps_what_the_cameras_see(taken):
     assert np.ptp(moved.vertices, axis=0).max() == pytest.approx(7.0, rel=1e-5)
     again, _ = render(moved.vertices.astype(float), moved.faces, labels, cameras[0], images[0].labels.shape)
     assert (again != images[0].labels).mean() < 1e-3
+
+
+def test_where_no_silhouette_holds_a_limb_the_flow_is_short():
+    assert {merge: Volume(merge=merge).rounding for merge in MERGES} == {"hull": 20, "clip": 2, "union": 2}
+    assert Volume(merge="union", steps=7).rounding == 7
