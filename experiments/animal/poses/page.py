@@ -17,6 +17,7 @@ import numpy as np
 
 from experiments.animal import meshes, rigged, trial
 from ipcli.geometry.distances import apart
+from ipcli.geometry.orthographic import angle_between
 from ipcli.geometry.voxels import hull
 from ipcli.io.files import atomic
 from ipcli.models.animal import baselines, whole
@@ -30,8 +31,11 @@ from ipcli.report.kit.page import page as document
 from ipcli.report.kit.page import section, table
 
 SOURCE = ("left", "right", "front", "back", "top")
-REFERENCE = ("left", "front")
-BAR, WORST, GAIN = 0.0075, 0.0095, 0.1  # mean, worst, and how far below the reference views' parts
+REFERENCES = {  # views of the reference pose, with mean and worst that are allowed
+    "left,front": (0.0075, 0.0095),
+    "left,three-quarter": (0.0090, 0.0110),  # the camera of the second is found
+}
+GAIN = 0.1  # how far below the reference views' parts
 DEVELOPMENT = ("horse0 horse10", "cat0 cat5", "Fox")
 PAIRS = (
     *DEVELOPMENT,
@@ -52,11 +56,11 @@ def pair(name: str, data: Path, cache: Path) -> tuple[meshes.Animal, meshes.Anim
     return first, second
 
 
-def run(animals: tuple[meshes.Animal, meshes.Animal], params: Modelling) -> dict:
+def run(animals: tuple[meshes.Animal, meshes.Animal], views: list[str], params: Modelling) -> dict:
     """All figures of one pair."""
     source, reference = animals
     others = [image for image, _ in trial.shots(source, SOURCE, False)]
-    images, truth = map(list, zip(*trial.shots(reference, REFERENCE, False), strict=True))
+    images, truth = map(list, zip(*trial.shots(reference, views, False), strict=True))
     tree = source.tree
     cameras = placed(images, tree, params)
     heights = {
@@ -77,7 +81,8 @@ def run(animals: tuple[meshes.Animal, meshes.Animal], params: Modelling) -> dict
         method: apart((trial.to_truth(vertices, cameras, truth), faces), goal).mean
         for method, (vertices, faces) in made.items()
     }
-    return {"means": means, "overlap": overlap}
+    off = [angle_between(c.rotation, t.rotation) for c, t in zip(cameras, truth, strict=True)]
+    return {"means": means, "overlap": overlap, "camera": max(off)}
 
 
 def _drawn(alone, images, cameras, shots, grid, tree):
@@ -88,21 +93,21 @@ def _drawn(alone, images, cameras, shots, grid, tree):
     return [np.maximum(field, outlines) for field in fields_of(vertices, body.faces, body.face_part, grid, len(tree))]
 
 
-def summary(results: dict[str, dict]) -> tuple[list[list[str]], list[tuple[str, str, str, str]]]:
+def summary(results: dict[str, dict], views: str) -> tuple[list[list[str]], list[tuple[str, str, str, str]]]:
     """Rows of the table, and the bars with what was found on the pairs that nothing was developed on."""
-    rows = []
+    rows, (bar, most) = [], REFERENCES[views]
     judged = [name for name in results if name not in DEVELOPMENT] or list(results)
     for name, result in results.items():
         star = " (development)" if name in DEVELOPMENT else ""
         cells = (f"{result['means'][method]:.4f}" for method in METHODS)
-        rows.append([name + star, *cells, f"{result['overlap']:.2f}"])
+        rows.append([name + star, *cells, f"{result['overlap']:.2f}", f"{result.get('camera', 0.0):.1f}°"])
     means = {method: float(np.mean([results[name]["means"][method] for name in judged])) for method in METHODS}
-    rows.append([f"mean of {len(judged)} others", *(f"{means[method]:.4f}" for method in METHODS), ""])
+    rows.append([f"mean of {len(judged)} others", *(f"{means[method]:.4f}" for method in METHODS), "", ""])
     ours, worst = means["bent"], max(results[name]["means"]["bent"] for name in judged)
     gain = 1 - ours / means["the same, drawn to the outlines"]
     bars = [
-        ("mean", f"{ours:.4f}", f"{BAR}", "met" if ours <= BAR else "missed"),
-        ("worst", f"{worst:.4f}", f"{WORST}", "met" if worst <= WORST else "missed"),
+        ("mean", f"{ours:.4f}", f"{bar}", "met" if ours <= bar else "missed"),
+        ("worst", f"{worst:.4f}", f"{most}", "met" if worst <= most else "missed"),
         ("below the reference views', drawn", f"{100 * gain:.0f} %", "10 %", "met" if gain >= GAIN else "missed"),
     ]
     return rows, bars
@@ -115,6 +120,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
     parser.add_argument("--cache", type=Path, default=Path("build/meshes/animal"))
     parser.add_argument("--only", default="", help="names of pairs, with commas")
+    parser.add_argument("--reference", choices=list(REFERENCES), default="left,front", help="views of that pose")
     parser.add_argument("--quick", action="store_true", help="one generated animal in two poses")
     given = parser.parse_args()
     given.out.parent.mkdir(parents=True, exist_ok=True)
@@ -126,17 +132,17 @@ def main() -> None:
         if not path.is_file():
             cache = given.cache if given.quick else meshes.unpack(given.data, given.cache)
             animals = meshes.two_poses() if given.quick else pair(name, given.data, cache)
-            atomic.write_text(path, json.dumps(run(animals, params), indent=1) + "\n")
+            atomic.write_text(path, json.dumps(run(animals, given.reference.split(","), params), indent=1) + "\n")
         results[name] = json.loads(path.read_text())
         print(name, {method: round(mean, 4) for method, mean in results[name]["means"].items()}, flush=True)
-    rows, bars = summary(results)
+    rows, bars = summary(results, given.reference)
     atomic.write_text(given.out.with_suffix(".json"), json.dumps({"rows": rows, "bars": bars}, indent=1) + "\n")
     atomic.write_text(given.out, document(
         "Parts from another pose", "thesis 6.3",
-        "Mean distance both ways over the diagonal of the truth's box. The reference pose is seen from the left and "
-        "the front only; the other pose from five sides.",
+        "Mean distance both ways over the diagonal of the truth's box. The reference pose is seen from two sides only, "
+        f"{given.reference}; the other pose from five.",
         section("Bars", table(("measure", "found", "bar", ""), bars)),
-        section("Pair by pair", table(("pair", *METHODS, "overlap of the bent model"), rows)),
+        section("Pair by pair", table(("pair", *METHODS, "overlap of the bent model", "camera off"), rows)),
     ))  # fmt: skip
     print(given.out)
 

@@ -72,7 +72,7 @@ def _search(
         return find_camera(images[k], cloud_of(surface.vertices, surface.faces, surface.face_part), seen, known)
 
     order = searched
-    if params.search == "image" and _is_flat([*cameras.values()]):
+    if len(searched) > 1 and params.search == "image" and _is_flat([*cameras.values()]):
         order = _deepest_first({k: find(k) for k in searched}, next(iter(cameras.values())))
     work = order * (ROUNDS if len(searched) > 1 else 1)
     for done, k in enumerate(work):
