@@ -193,8 +193,8 @@ def _peers(e: RecognitionExperiment) -> Iterator[Markup]:
         blocks += [element("h3", WORDS.get(split, split)), element("div", table(columns, cells), class_="dense")]
     if blocks:
         lead = (
-            "benchmarks/mocap/peers.py: the same clips and splits, each method at the best setting of its declared "
-            "grid on development data. "
+            "benchmarks/mocap/peers.py: the same clips and splits, ours at its defaults and each other method at the "
+            "best setting of its declared grid on development data. "
             "Shuffled clips: all frames of a clip in random order."
         )
         yield section("Beside others", *blocks, lead=lead)
