@@ -7,13 +7,14 @@
 #   make experiments/brdf-painted     the same objects under four kinds of paint: what texture does
 #   make experiments/brdf-reliefs     bowls and domes under light from above, the side and below: which way it bends
 #   make experiments/brdf-development cup1, meshes and sheets in measured materials under real probes: what all was chosen on
+#   make experiments/brdf-rims        what the judge of rims should learn from, on the same and more of its kind
 #   make experiments/brdf-materials   which material, metal or not: held-out surfaces under held-out lights
 # QUICK=1 takes generated scenes in place of the data sets, a small library and few cases. Parameters were chosen on MIT's cup1 and on generated scenes.
 
 BRDF_LIST := sample_data/brdf/materials.toml
 BRDF_LIBRARY := build/experiments/brdf-library$(SUFFIX).h5
 BRDF_EFFORT := $(if $(QUICK),--lights 12 --scenes 120 --pictures 40)
-BRDF_STUDIES := mit diligent synthetic traced painted reliefs development materials
+BRDF_STUDIES := mit diligent synthetic traced painted reliefs development rims materials
 
 .PHONY: $(BRDF_STUDIES:%=experiments/brdf-%)
 $(BRDF_STUDIES:%=experiments/brdf-%): experiments/brdf-%: build/experiments/brdf-%$(SUFFIX)/index.html

@@ -41,22 +41,33 @@ MATERIALS = (
     "gold-metallic-paint",
     "alum-bronze",
 )
+GLOSSY = ("brass", "steel", "aluminium", "blue-acrylic", "specular-black-phenolic", "pvc", "red-specular-plastic")
 SIDE = 128
 
 
 def cases(data: Path, sheets: int = SHEETS, solids: int = len(MESHES)) -> Iterator[Case]:
     """cup1, then each mesh and each sheet with one material under one probe."""
     yield from scenes.mit(data, ("cup1",))
-    folder = data / "brdf"
-    for number, made in enumerate([*_meshes(folder / "meshes/meshes.tar.xz", solids), *_sheets(sheets)]):
+    for number, made in enumerate([*_meshes(data / "brdf/meshes/meshes.tar.xz", solids), *_sheets(sheets)]):
         rng = stream(13, "development", str(number))
-        material = MATERIALS[number % len(MATERIALS)]
-        image = probes.read(folder / f"hdri_debevec_small/{LIGHTS[number % len(LIGHTS)]}.hdr")
-        network = Network(measured.read_network(folder / "nbrdf_merl/merl_nbrdf_100.npz", material))
-        chart = np.maximum(charts(network, [probe(image, rng.uniform(0, 2 * np.pi))])[0], 0)
-        picture = generated.photograph(made, chart, rng)
-        kind = "sheet" if made.is_sheet else "mesh"
-        yield Case(f"{made.name} {material}", kind, picture, made.mask, made.normals, made.height)
+        yield _seen(made, data, "sheet" if made.is_sheet else "mesh", MATERIALS[number % len(MATERIALS)], number, rng)
+
+
+def generated_cases(data: Path, count: int) -> Iterator[Case]:
+    """Surfaces of the families that libraries learn from, in glossy materials too: `experiments/brdf/rims.py`."""
+    materials = (*MATERIALS, *GLOSSY)
+    for number in range(count):
+        rng = stream(13, "generated", str(number))
+        yield _seen(generated.surface(rng, SIDE), data, "generated", materials[number % len(materials)], number, rng)
+
+
+def _seen(made: ImplicitSurface, data: Path, group: str, material: str, number: int, rng: np.random.Generator) -> Case:
+    """The surface in a measured material under one of LIGHTS, at a heading of its own."""
+    image = probes.read(data / f"brdf/hdri_debevec_small/{LIGHTS[number % len(LIGHTS)]}.hdr")
+    network = Network(measured.read_network(data / "brdf/nbrdf_merl/merl_nbrdf_100.npz", material))
+    chart = np.maximum(charts(network, [probe(image, rng.uniform(0, 2 * np.pi))])[0], 0)
+    picture = generated.photograph(made, chart, rng)
+    return Case(f"{made.name} {material}", group, picture, made.mask, made.normals, made.height)
 
 
 def _meshes(archive: Path, count: int) -> Iterator[ImplicitSurface]:

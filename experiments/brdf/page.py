@@ -1,7 +1,7 @@
 """Chapter 7 measured: every method on every case, as CSV, JSON and a page with the bars.
 
-python -m experiments.brdf.page mit|diligent|synthetic|traced|painted|reliefs|development|materials --library FILE
-    -o FOLDER [--data FOLDER] [--quick] [--only METHOD ...] [--every N]
+python -m experiments.brdf.page mit|diligent|synthetic|traced|painted|reliefs|development|rims|materials --library FILE
+    -o FOLDER [--data FOLDER] [--quick] [--only METHOD ...] [--cases WORD] [--every N]
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.brdf import development, looks, painted, reliefs, scenes, traced
+from experiments.brdf import development, looks, painted, reliefs, rims, scenes, traced
 from experiments.brdf.scenes import Case
 from experiments.kit.tables import write_table
 from ipcli.io.files import atomic, h5
@@ -38,6 +38,7 @@ BARS = {
     "painted": "mean at most 2 degrees above inflation's",
     "reliefs": "light from above: the sign right in 90 % of the area; what the picture does not settle is reported so",
     "development": "none: what parameters are chosen on",
+    "rims": "none: what the judge of rims was chosen on",
     "materials": "1 of 5 in colour: 70 %; metal or not: 90 %",
 }
 
@@ -47,6 +48,7 @@ EACH = (  # shown for each object
     "ours",
     "always a solid",
     "true rim",
+    "true relief",
     "true map, as a solid",
     "patches in the prior, as a solid",
 )
@@ -128,9 +130,11 @@ def ablations(params: Inference) -> dict[str, Inference]:
 
 
 def measured(case: Case, shelf: Library, params: Inference, only: Sequence[str] = ()) -> dict[str, list[float]]:
-    """[N-MAE, median, Z-MAE, seconds] of every method on a case, or of those `ablations` alone that are named."""
+    """[N-MAE, median, Z-MAE, seconds] of every method on a case, or of what is `judged` if ours is named, and of the
+    `ablations` that are.
+    """
     found = {name: [*errors_of(shape, case), np.nan] for name, shape in baselines(case.mask).items()}
-    if not only:
+    if not only or "ours" in only:
         found |= judged(case, shelf, params, found["inflation"][0])
     for name, asked in ablations(params).items():
         if name not in found and (not only or name in only):
@@ -141,8 +145,8 @@ def measured(case: Case, shelf: Library, params: Inference, only: Sequence[str] 
 
 
 def judged(case: Case, shelf: Library, params: Inference, inflation: float) -> dict[str, list[float]]:
-    """The same of ours and of what comes with it, and of ours when the rim or the map is told; `inflation` is its
-    N-MAE.
+    """The same of ours and of what comes with it, and of ours when the rim, the sign of a hollow or the map is told;
+    `inflation` is its N-MAE.
     """
     started = time.monotonic()
     ours = reconstruct(case.colour, case.mask, shelf, params)
@@ -152,9 +156,14 @@ def judged(case: Case, shelf: Library, params: Inference, inflation: float) -> d
         shapes["always a solid"] = ours.solid_height
     if ours.sheet_height is not None:
         shapes["always a sheet"] = ours.sheet_height
-    flattened = errors_of(params.sheet.relief * grid.inflate(case.mask), case)[0]
-    told = replace(params, rim="sheet" if flattened < inflation else "solid")
-    shapes["true rim"] = reconstruct(case.colour, case.mask, shelf, told).height
+    flattened, hollow = (errors_of(k * grid.inflate(case.mask), case)[0] for k in (params.sheet.relief, -1.0))
+    rim, known = ("sheet", ours.sheet_height) if flattened < inflation else ("solid", ours.solid_height)
+
+    def told(rim: str, relief: str) -> np.ndarray:
+        return reconstruct(case.colour, case.mask, shelf, replace(params, rim=rim, relief=relief)).height
+
+    shapes["true rim"] = told(rim, params.relief) if known is None else known
+    shapes["true relief"] = told("solid", "concave") if hollow < inflation else ours.height
     shapes["true map, as a solid"] = true_map(case, params)
     return {name: [*errors_of(shape, case), seconds if name == "ours" else np.nan] for name, shape in shapes.items()}
 
@@ -299,7 +308,8 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
     parser.add_argument("-o", "--output", type=Path, required=True)
     parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--only", nargs="+", default=(), choices=tuple(ablations(Inference())), help="these alone")
+    parser.add_argument("--only", nargs="+", default=(), choices=("ours", *ablations(Inference())), help="these alone")
+    parser.add_argument("--cases", default="", metavar="WORD", help="only the pictures that have it in their name")
     parser.add_argument(
         "--every", type=int, default=1, help="one case of so many; 5: one mix of each object of diligent"
     )
@@ -312,12 +322,15 @@ def main() -> None:
     if given.study == "traced":
         traced.write(given.output, list(traced.measured(shelf, given.quick)))
         return
+    if given.study == "rims":
+        rims.write(given.output, rims.measured(given.data, shelf, given.quick))
+        return
     if given.study == "reliefs":
         write_reliefs(given.output, list(reliefs.measured(shelf, given.quick)))
         return
     rows, groups, kinds = {}, {}, {}
-    every = cases(given.study, given.data, shelf, arrays["is_metal"] > 0, given.quick)
-    for case in islice(every, 0, None, given.every):
+    found = cases(given.study, given.data, shelf, arrays["is_metal"] > 0, given.quick)
+    for case in islice((one for one in found if given.cases in one.name), 0, None, given.every):
         rows[case.name], groups[case.name] = measured(case, shelf, Inference(), given.only), case.group
         kinds[case.name] = case.kind
     write(given.output, given.study, rows, groups, kinds)

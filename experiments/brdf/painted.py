@@ -27,10 +27,15 @@ def cases(shelf: Library, paintable: np.ndarray, quick: bool) -> Iterator[Case]:
             rng = stream(7, "painted", f"{name} {paint}")
             chart = shelf.charts[int(rng.choice(charts))]
             bare = generated.photograph(made, chart, rng, noise=0.0)
-            picture = bare * albedo(paint, made.mask.shape, rng)
-            picture = np.where(made.mask[..., None], picture + 0.01 * rng.normal(size=picture.shape), 0)
-            picture = np.rint(np.clip(picture / np.percentile(picture[made.mask], 99.5), 0, 1) * 255) / 255
+            picture = painted(bare, made.mask, paint, rng)
             yield Case(f"{name} {paint}", paint, picture, made.mask, made.normals, made.height)
+
+
+def painted(bare: np.ndarray, mask: np.ndarray, paint: str, rng: np.random.Generator) -> np.ndarray:
+    """A linear picture (h, w, 3) as it would be were what is in the mask under one of PAINTS, with noise, in 8 bits."""
+    picture = bare * albedo(paint, mask.shape, rng)
+    picture = np.where(mask[..., None], picture + 0.01 * rng.normal(size=picture.shape), 0)
+    return np.rint(np.clip(picture / np.percentile(picture[mask], 99.5), 0, 1) * 255) / 255
 
 
 def albedo(paint: str, shape: tuple[int, int], rng: np.random.Generator) -> np.ndarray:

@@ -84,6 +84,8 @@ def reconstruct(
     tell: Progress = silent,
 ) -> Reconstruction:
     """The surface in a linear picture (h, w, 3) cropped to its mask (h, w)."""
+    if params.relief == "concave":  # of a solid, see `_solid`; of a sheet here
+        params = replace(params, sheet=replace(params.sheet, relief=-params.sheet.relief))
     picture = _Sizes(
         mask, pictured(colour, mask, params.side), pictured(colour, mask, params.sweep_side), inflate(mask)
     )

@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipcli.models.brdf.energy import cell_normals
-from ipcli.models.brdf.evaluation import angles, inside
+from ipcli.models.brdf.evaluation import inside, normal_error
 from ipcli.models.brdf.grid import inflate, normals
 from ipcli.models.brdf.solid import Pictured
-from ipcli.models.brdf.surfaces import ImplicitSurface
 
 FEATURES = (
     "shading explained by light",
@@ -57,7 +56,8 @@ def _design(features: np.ndarray, mean: np.ndarray, spread: np.ndarray) -> np.nd
 def learn(features: np.ndarray, labels: np.ndarray, ridge: float = 40.0) -> Judge:
     """Ridge logistic regression of labels (n,) in [0, 1] on features (n, f), by Newton's method.
 
-    The ridge is heavier than cross-validation on generated scenes asks for: photographs differ from them.
+    The ridge is heavier than cross-validation on generated scenes asks for: photographs differ from them
+    (`experiments/brdf/rims.py`).
     """
     mean, spread = features.mean(axis=0), np.maximum(features.std(axis=0), 1e-6)
     x = _design(features, mean, spread)
@@ -82,12 +82,11 @@ def accuracy(features: np.ndarray, labels: np.ndarray, folds: int = 10) -> float
     return float(right.mean())
 
 
-def better_as_sheet(made: ImplicitSurface, relief: float) -> bool:
-    """Whether the flattened balloon of the mask has less error of its normals than the balloon."""
-    balloon = inflate(made.mask)
-    where = inside(made.mask)
-    errors = [float(angles(normals(a * balloon, made.mask)[where], made.normals[where]).mean()) for a in (relief, 1.0)]
-    return errors[0] < errors[1]
+def better_as_sheet(mask: np.ndarray, true_normals: np.ndarray, relief: float) -> bool:
+    """Whether the flattened balloon of a mask (h, w) has less error against normals (h, w, 3) than the balloon."""
+    balloon, where = inflate(mask), inside(mask)
+    flattened, whole = (normal_error(normals(a * balloon, mask), true_normals, where) for a in (relief, 1.0))
+    return flattened < whole
 
 
 def features(picture: Pictured) -> np.ndarray:

@@ -86,7 +86,7 @@ def rim_lesson(seen: np.ndarray, params: LibraryLearning, seed: int, numbers: ra
         made = surface(rng, params.side)
         taken = scene(made, seen, rng)
         rows.append(rim.features(pictured(taken.picture, made.mask, params.grid)))
-        labels.append(rim.better_as_sheet(made, params.relief))
+        labels.append(rim.better_as_sheet(made.mask, made.normals, params.relief))
     return RimLesson(np.array(rows), np.array(labels, float))
 
 

@@ -77,6 +77,17 @@ def test_one_picture_does_not_tell_convex_from_concave_and_says_so(scene):
     assert not concave.is_above
 
 
+def test_a_sheet_that_is_said_to_be_hollow_sets_out_hollow(scene):
+    cast = scene[2] * [-1, -1, 1]  # what the object leaves in clay, under the first light of the library
+    colour = np.zeros_like(scene[0])
+    colour[scene[1]] = np.maximum(Harmonics(LIGHT).slopes(cast[scene[1]])[0], 0)[:, None]
+    convex, concave = (
+        reconstruct(colour, scene[1], shelf(), replace(QUICK, rim="sheet", relief=r)) for r in ("convex", "concave")
+    )
+    np.testing.assert_allclose(concave.prior, -convex.prior)
+    assert error(concave.height, (colour, scene[1], cast)) < 0.8 * error(convex.height, (colour, scene[1], cast))
+
+
 def test_light_above_chooses_the_relief_whose_light_is(scene):
     flipped = scene[0][::-1], scene[1][::-1], scene[2][::-1] * [1, -1, 1]  # the same object lit from below
     made = reconstruct(flipped[0], flipped[1], shelf(), replace(QUICK, rim="solid", relief="light-above"))

@@ -17,12 +17,9 @@ def test_a_logistic_rule_is_learnt():
 
 
 def test_flat_truth_is_served_by_the_flattened_balloon_and_a_ball_by_the_balloon():
-    mask = surfaces.march(surfaces.ellipsoid(np.full(3, 0.8)), 60)
-    flat = surfaces.ImplicitSurface(
-        mask.mask, np.zeros_like(mask.height), np.tile([0, 0, 1.0], (60, 60, 1)), True, "flat"
-    )
-    assert not rim.better_as_sheet(mask, 0.3)
-    assert rim.better_as_sheet(flat, 0.3)
+    ball = surfaces.march(surfaces.ellipsoid(np.full(3, 0.8)), 60)
+    assert not rim.better_as_sheet(ball.mask, ball.normals, 0.3)
+    assert rim.better_as_sheet(ball.mask, np.tile([0, 0, 1.0], (60, 60, 1)), 0.3)
 
 
 def test_features_tell_corners_and_the_light_of_a_ball():
