@@ -134,7 +134,7 @@ def sections(rows: Sequence[Mapping[str, object]], choice: Choice) -> list[Marku
         lines = [
             (
                 number(float(str(row["value"]))) + (" (shipped)" if row["shipped"] else ""),
-                *(f"{number(_figure(row, m))} ({told(row, own, m)})" for m in choice.measures),
+                *(told(row, own, measure) for measure in choice.measures),
             )
             for row in mine
         ]
@@ -143,10 +143,12 @@ def sections(rows: Sequence[Mapping[str, object]], choice: Choice) -> list[Marku
 
 
 def told(row: Mapping[str, object], own: Mapping[str, object], measure: str) -> str:
-    """How far a mean is from that of the shipped value, and on how many scenes it is better."""
+    """A mean, how far it is from that of the shipped value, and on how many scenes it is better."""
+    figure = number(_figure(row, measure))
+    if row["shipped"]:
+        return figure
     change = _figure(row, measure) / _figure(own, measure) - 1
-    better = "" if row["shipped"] else f", better on {row[f'{measure} better']}"
-    return f"{'+' if change >= 0 else '−'}{percent(abs(change))}{better}"
+    return f"{figure} ({'+' if change >= 0 else '−'}{percent(abs(change))}, better on {row[f'{measure} better']})"
 
 
 def _figure(row: Mapping[str, object], measure: str) -> float:
