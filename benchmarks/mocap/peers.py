@@ -266,11 +266,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
             "quick": given.quick,
         }
         found[name] = isolated("benchmarks.mocap.peers:judged", 1, **question)
-    every = list(next(iter(found.values()))["figures"])
-    tables = {protocol: rows(found, protocol) for protocol in every} | {
+    splits = next(iter(found.values()))["splits"]
+    tables = {protocol: rows(found, protocol) for protocol in splits} | {
         f"{protocol}, whole clips of each split %": split_rows(found, protocol)
-        for protocol in every
-        if len(found[given.methods[0]]["splits"][protocol]) > 1
+        for protocol, names in splits.items()
+        if len(names) > 1
     }
     facts = {
         "clips": stem,
