@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ipcli.geometry.orthographic import NAMED, looking, named
+from ipcli.geometry.orthographic import NAMED, looking, of_view
 from ipcli.geometry.part_masks import framed, render
 from ipcli.io.files.atomic import write_text
 from ipcli.io.files.images import write_png
@@ -31,7 +31,7 @@ def make(folder: Path) -> None:
         parents = [tree.names[parent] if parent >= 0 else "" for parent in tree.parents]
         lines += [f'{name} = "{parent}"' for name, parent in zip(tree.names, parents, strict=True)]
         for view in VIEWS:
-            rotation = named(view) if view in NAMED else looking(*BESIDE)
+            rotation = of_view(view) if view in NAMED else looking(*BESIDE)
             camera, shape = framed(vertices, rotation, LONGEST)
             seen, _ = render(vertices, faces, labels, camera, shape)
             write_png(folder / pose / f"{view}.png", seen.astype(np.uint8))

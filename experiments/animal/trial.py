@@ -18,7 +18,7 @@ import trimesh
 
 from experiments.animal import meshes
 from ipcli.geometry.distances import apart
-from ipcli.geometry.orthographic import NAMED, Orthographic, angle_between, looking, named
+from ipcli.geometry.orthographic import Orthographic, angle_between, looking, of_view
 from ipcli.geometry.part_masks import framed, render
 from ipcli.io.files import atomic
 from ipcli.measurements.part_images import PartImage
@@ -45,12 +45,12 @@ def shots(animal: meshes.Animal, views, is_blind: bool, noise: float = 0.0, seed
     """Images of an animal and their true cameras; `noise` pixels of contour noise."""
     taken = []
     for number, view in enumerate(views):
-        rotation = named(view) if view in NAMED else looking(*THREE_QUARTER[view])
+        rotation = looking(*THREE_QUARTER[view]) if view in THREE_QUARTER else of_view(view)
         camera, shape = framed(animal.vertices, rotation, LONGEST)
         labels, _ = render(animal.vertices, animal.faces, animal.labels, camera, shape)
         if noise:
             labels = jagged(labels, noise, np.random.default_rng([seed, number]))
-        has_name = view in NAMED and (number == 0 or not is_blind)
+        has_name = view not in THREE_QUARTER and (number == 0 or not is_blind)
         taken.append((PartImage(view, labels, view if has_name else None), camera))
     return taken
 

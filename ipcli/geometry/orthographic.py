@@ -59,9 +59,19 @@ class Orthographic:
         return replace(self, rotation=Rotation.from_rotvec(vector).as_matrix() @ self.rotation)
 
 
-def named(view: str) -> np.ndarray:
-    """Rotation (3, 3) of a view of NAMED."""
-    return np.array(NAMED[view], np.float64)
+def of_view(view: str) -> np.ndarray:
+    """Rotation (3, 3) of a view of NAMED, or of one `by_angles`."""
+    if view in NAMED:
+        return np.array(NAMED[view], np.float64)
+    azimuth, elevation = map(float, view.split(","))
+    return looking(azimuth, elevation)
+
+
+def by_angles(azimuth: float, elevation: float) -> str:
+    """The word for a view from these angles in degrees, as `looking` takes them. ValueError for none of a camera."""
+    if not (-360 <= azimuth <= 360 and -90 <= elevation <= 90):
+        raise ValueError("an azimuth outside -360 to 360, or an elevation outside -90 to 90 degrees")
+    return f"{azimuth:g},{elevation:g}"
 
 
 def looking(azimuth: float, elevation: float, roll: float = 0.0) -> np.ndarray:

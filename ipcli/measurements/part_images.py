@@ -43,9 +43,9 @@ class PartTree:
 class PartImage:
     """One image: labels (h, w) int16, 0 background and k + 1 where part k is seen.
 
-    `view` is a name of ipcli.geometry.orthographic.NAMED, or None when it is not known from where the image was taken.
-    Images of the reference pose fix the pose of the model; all images may give shape to the parts in `aspects` (None:
-    every part that is seen).
+    `view` is a word that ipcli.geometry.orthographic.of_view knows, or None when it is not known from where the image
+    was taken. Images of the reference pose fix the pose of the model; all images may give shape to the parts in
+    `aspects` (None: every part that is seen).
     """
 
     name: str

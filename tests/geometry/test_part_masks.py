@@ -18,19 +18,19 @@ def two_balls():
 
 def test_what_is_nearer_hides_what_is_behind():
     vertices, faces, labels = two_balls()
-    camera, shape = framed(vertices, ortho.named("left"), 200)
+    camera, shape = framed(vertices, ortho.of_view("left"), 200)
     seen, depth = render(vertices, faces, labels, camera, shape)
     disc = np.pi * camera.scale**2
     assert (seen == 2).sum() == pytest.approx(disc / 4, rel=0.03)
     assert (seen > 0).sum() == pytest.approx(disc, rel=0.03)
     assert np.nanmin(depth) == pytest.approx(-2.5, abs=0.01)
-    behind, _ = render(vertices, faces, labels, *framed(vertices, ortho.named("right"), 200))
+    behind, _ = render(vertices, faces, labels, *framed(vertices, ortho.of_view("right"), 200))
     assert not (behind == 2).any()
 
 
 def test_the_frame_leaves_its_margin():
     vertices, faces, labels = two_balls()
-    camera, shape = framed(vertices, ortho.named("front"), 150, margin=5)
+    camera, shape = framed(vertices, ortho.of_view("front"), 150, margin=5)
     seen, _ = render(vertices, faces, labels, camera, shape)
     rows, columns = np.nonzero(seen)
     assert columns.min() == pytest.approx(5, abs=1)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ipcli.geometry.orthographic import Orthographic, looking, named
+from ipcli.geometry.orthographic import Orthographic, looking, of_view
 from ipcli.geometry.voxels import FAR, Sight, VoxelGrid, hull, signed_distance
 
 GRID = VoxelGrid.around(np.full(3, -1.0), np.full(3, 1.0), 0.1, margin=2)
@@ -35,7 +35,7 @@ def test_signed_distance_of_a_disc():
 
 
 def test_the_hull_of_three_discs_is_their_common_body():
-    cameras = [Orthographic(named(view), 40.0, np.array([50.0, 50.0])) for view in ("left", "front", "top")]
+    cameras = [Orthographic(of_view(view), 40.0, np.array([50.0, 50.0])) for view in ("left", "front", "top")]
     field = hull([Sight.of(GRID, c) for c in cameras], [disc(32)] * 3)
     x, y, z = np.moveaxis(GRID.points(), -1, 0)
     inside = np.maximum.reduce([np.hypot(x, z), np.hypot(y, z), np.hypot(x, y)]) < 0.8
@@ -43,14 +43,14 @@ def test_the_hull_of_three_discs_is_their_common_body():
 
 
 def test_the_least_of_a_ray_and_rays_that_meet_nothing():
-    sight = Sight.of(GRID, Orthographic(named("front"), 10.0, np.zeros(2)))
+    sight = Sight.of(GRID, Orthographic(of_view("front"), 10.0, np.zeros(2)))
     least = sight.least(sight.depth, GRID.points()[..., 2] > 0)
     met = least < FAR / 2
     assert met.mean() == pytest.approx((GRID.points()[0, 0, :, 2] > 0).mean(), abs=0.03)
     assert least[met] == pytest.approx(np.full(met.sum(), sight.depth.min()), abs=1e-3)
 
 
-@pytest.mark.parametrize("rotation", [named("left"), named("top"), looking(33.0, 20.0)])
+@pytest.mark.parametrize("rotation", [of_view("left"), of_view("top"), looking(33.0, 20.0)])
 def test_images_are_sampled_where_the_points_fall(rotation):
     rows, columns = np.mgrid[:90, :100]
     ramp = (2.0 * rows - columns).astype(np.float32)

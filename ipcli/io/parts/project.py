@@ -12,7 +12,7 @@ head = 1.2
 
 [[images]]
 masks = "left.png"              # index PNG, folder of one PNG a part, LabelMe .json or PASCAL-Part .mat
-view = "left"                   # left right front back top bottom; leave it out when it is not known
+view = "left"                   # left right front back top bottom, or angles [40, 15]; left out when it is not known
 # labels = ["torso", "head"]    # what the values 1, 2, ... of an index PNG mean; the order of [parts] if not given
 # picture = "left.jpg"          # shown on the page
 # pose = "other"                # not in the reference pose: a model of it is bent into the reference pose
@@ -36,7 +36,7 @@ from typing import Any
 import numpy as np
 
 from ipcli.errors import FormatError, nearest
-from ipcli.geometry.orthographic import NAMED
+from ipcli.geometry.orthographic import NAMED, by_angles
 from ipcli.inputs import read_toml
 from ipcli.io.files import images
 from ipcli.io.parts import masks
@@ -44,7 +44,7 @@ from ipcli.measurements.part_images import NONE, PartImage, PartMatches, PartTre
 
 TOP = {"name": str, "size": (int, float), "parts": dict, "flatness": dict, "images": list, "matches": list}
 IMAGE = {
-    "name": str, "masks": str, "view": str, "labels": list, "picture": str, "pose": str, "aspects": list,
+    "name": str, "masks": str, "view": (str, list), "labels": list, "picture": str, "pose": str, "aspects": list,
     "rename": dict, "object": int,
 }  # fmt: skip
 MATCHES = {"part": str, "images": list, "points": list}
@@ -128,9 +128,7 @@ def _image(path: Path, entry: Mapping[str, Any], tree: PartTree, number: int) ->
     _check_keys(path, entry, IMAGE, where)
     if "masks" not in entry:
         raise FormatError(path, f"{where}no masks", fix='Add masks = "FILE"')
-    view, pose = entry.get("view"), entry.get("pose", "reference")
-    if view is not None and view not in NAMED:
-        raise FormatError(path, f"{where}unknown view '{view}'{nearest(view, NAMED)}")
+    view, pose = _view(path, where, entry.get("view")), entry.get("pose", "reference")
     if pose not in POSES:
         raise FormatError(path, f"{where}unknown pose '{pose}'{nearest(pose, POSES)}")
     source = path.parent / entry["masks"]
@@ -143,6 +141,20 @@ def _image(path: Path, entry: Mapping[str, Any], tree: PartTree, number: int) ->
     name = entry.get("name", source.stem)
     image = PartImage(name, labels, view, pose == "reference", aspects, picture)
     return image, [source, *shown]
+
+
+def _view(path: Path, where: str, given: str | list | None) -> str | None:
+    """The word for the view that an image has; FormatError for an unknown name and for what are no angles."""
+    if isinstance(given, list):
+        try:
+            azimuth, elevation = map(float, given)
+            return by_angles(azimuth, elevation)
+        except (TypeError, ValueError, OverflowError):
+            expected = "azimuth and elevation in degrees, such as [40, 15]"
+            raise FormatError(path, f"{where}view", expected=expected, got=given) from None
+    if given is not None and given not in NAMED:
+        raise FormatError(path, f"{where}unknown view '{given}'{nearest(given, NAMED)}")
+    return given
 
 
 def _renamed(path: Path, source: Path, found: masks.Masks, rename: Mapping[str, Any], tree: PartTree) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from ipcli.geometry.orthographic import Orthographic, named
+from ipcli.geometry.orthographic import Orthographic, of_view
 from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal import by_parts, whole
 from ipcli.models.animal.aspects import lift_all
@@ -38,7 +38,7 @@ def placed(
     if not any(views):
         views[0] = FIRST
     anchors = [k for k, view in enumerate(views) if view]
-    rotations = [named(str(views[k])) for k in anchors]
+    rotations = [of_view(str(views[k])) for k in anchors]
     cameras = dict(zip(anchors, align([images[k].silhouette for k in anchors], rotations), strict=True))
     searched = [k for k, view in enumerate(views) if not view]
     if searched:

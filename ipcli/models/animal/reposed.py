@@ -11,14 +11,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ipcli.geometry import meshes
-from ipcli.geometry.orthographic import NAMED
+from ipcli.geometry.orthographic import of_view
 from ipcli.geometry.voxels import VoxelGrid, hull
 from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal import whole
 from ipcli.models.animal.articulation import jointed
 from ipcli.models.animal.parameters import Modelling
 from ipcli.models.animal.parts import Shot
-from ipcli.models.animal.placing import placed
+from ipcli.models.animal.placing import OBLIQUE, placed
 from ipcli.models.animal.posing import fit, likeness
 from ipcli.models.animal.pulling import pulled
 from ipcli.progress import Progress, silent
@@ -28,8 +28,8 @@ BESIDE = 0.5  # voxels: least value of a part's field where the body belongs to 
 
 def tells_shape(others: Sequence[PartImage]) -> bool:
     """Whether images of another pose have names of views along two lines, which it takes to model that pose."""
-    lines = [np.abs(NAMED[image.view][2]) for image in others if image.view]
-    return any(not np.array_equal(lines[0], line) for line in lines[1:])
+    lines = [of_view(image.view)[2] for image in others if image.view]
+    return any(abs(lines[0] @ line) < OBLIQUE for line in lines[1:])
 
 
 def reposed(

@@ -37,6 +37,11 @@ def test_a_whole_project(tmp_path):
     assert found.files == (tmp_path / "p.toml", tmp_path / "a.png")
 
 
+def test_a_view_may_be_given_by_its_angles(tmp_path):
+    (image,) = project.read(written(tmp_path, PARTS + IMAGE.replace('"left"', "[40, 15.5]"))).images
+    assert image.view == "40,15.5"
+
+
 def test_names_are_translated_and_dropped(tmp_path):
     text = '[parts]\nbody = ""\n' + IMAGE + 'labels = ["torso", "head"]\nrename = { torso = "body", head = "" }\n'
     (image,) = project.read(written(tmp_path, text)).images
@@ -55,6 +60,8 @@ def test_names_are_translated_and_dropped(tmp_path):
         (PARTS + '[[images]]\nview = "left"\n', "no masks"),
         (PARTS + '[[images]]\nmasks = "b.png"\n', "b.png"),
         (PARTS + IMAGE.replace("left", "lift"), "did you mean 'left'"),
+        (PARTS + IMAGE.replace('"left"', "[40]"), "azimuth and elevation"),
+        (PARTS + IMAGE.replace('"left"', "[40, 120]"), "azimuth and elevation"),
         (PARTS + IMAGE + IMAGE, "two images"),
         (PARTS + IMAGE + 'pose = "other"\n', "reference pose"),
         (PARTS + IMAGE + 'aspects = ["tail"]\n', "unknown part 'tail'"),

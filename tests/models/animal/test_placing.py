@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ipcli.geometry.orthographic import Orthographic, angle_between, looking, named
+from ipcli.geometry.orthographic import Orthographic, angle_between, looking, of_view
 from ipcli.models.animal.parameters import Inflation, Modelling, Volume
 from ipcli.models.animal.placing import _deepest_first, placed
 from tests.fixtures import limbs
@@ -20,12 +20,12 @@ def test_a_view_without_a_name_is_found():
 
 
 def test_the_first_camera_found_beside_one_view_is_one_that_tells_the_depth():
-    left = Orthographic(named("left"), 1.0, np.zeros(2))
-    found = {view: (Orthographic(named(view), 1.0, np.zeros(2)), fit) for view, fit in FITS.items()}
+    left = Orthographic(of_view("left"), 1.0, np.zeros(2))
+    found = {view: (Orthographic(of_view(view), 1.0, np.zeros(2)), fit) for view, fit in FITS.items()}
     assert _deepest_first(found, left) == ["front", "top", "right"]
 
 
 def test_a_front_view_is_found_from_one_named_view():
-    taken = limbs.shots(("left", "ahead"), rotations={"ahead": named("front")})
+    taken = limbs.shots(("left", "ahead"), rotations={"ahead": of_view("front")})
     images, _ = zip(*taken, strict=True)
-    assert angle_between(placed(images, limbs.TREE, QUICK)[1].rotation, named("front")) < 12.0
+    assert angle_between(placed(images, limbs.TREE, QUICK)[1].rotation, of_view("front")) < 12.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ipcli.geometry import lie
-from ipcli.geometry.orthographic import named
+from ipcli.geometry.orthographic import of_view
 from ipcli.geometry.part_masks import framed, render
 from ipcli.measurements.part_images import PartImage
 from ipcli.models.animal import posing
@@ -21,7 +21,7 @@ def body():
 def looks(body, vertices, views=("left", "front", "top")):
     images, cameras = [], []
     for view in views:
-        camera, shape = framed(vertices, named(view), 160)
+        camera, shape = framed(vertices, of_view(view), 160)
         seen, _ = render(vertices, body.faces, body.face_part + 1, camera, shape)
         images.append(PartImage(view, seen, view))
         cameras.append(camera)

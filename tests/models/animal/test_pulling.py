@@ -1,6 +1,6 @@
 import numpy as np
 
-from ipcli.geometry.orthographic import named
+from ipcli.geometry.orthographic import of_view
 from ipcli.geometry.part_masks import framed, render
 from ipcli.measurements.part_images import PartImage
 from ipcli.models.animal.limbs import four_legged
@@ -11,7 +11,7 @@ def test_a_body_that_was_squeezed_is_drawn_back_to_its_outlines():
     vertices, faces, labels, _ = four_legged(spacing=0.06)
     images, cameras = [], []
     for view in ("left", "front"):
-        camera, shape = framed(vertices, named(view), 200)
+        camera, shape = framed(vertices, of_view(view), 200)
         seen, _ = render(vertices, faces, labels, camera, shape)
         images.append(PartImage(view, seen, view))
         cameras.append(camera)
@@ -26,7 +26,7 @@ def test_a_body_that_was_squeezed_is_drawn_back_to_its_outlines():
 
 def test_a_body_that_fits_stays():
     vertices, faces, labels, _ = four_legged(spacing=0.06)
-    camera, shape = framed(vertices, named("left"), 200)
+    camera, shape = framed(vertices, of_view("left"), 200)
     seen, _ = render(vertices, faces, labels, camera, shape)
     part = np.zeros(len(vertices), int)
     part[faces[:, 0]] = labels - 1

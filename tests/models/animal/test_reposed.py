@@ -1,8 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ipcli.geometry.distances import apart
-from ipcli.geometry.orthographic import named
+from ipcli.geometry.orthographic import of_view
 from ipcli.geometry.part_masks import framed, render
 from ipcli.geometry.voxels import VoxelGrid
 from ipcli.measurements.part_images import PartImage
@@ -18,7 +20,7 @@ def looks(pose, views, prefix=""):
     vertices, faces, labels, _ = four_legged(pose, spacing=0.06)
     images = []
     for view in views:
-        camera, shape = framed(vertices, named(view), 160)
+        camera, shape = framed(vertices, of_view(view), 160)
         seen, _ = render(vertices, faces, labels, camera, shape)
         images.append(PartImage(prefix + view, seen, view, is_reference=not prefix))
     return images
@@ -29,6 +31,7 @@ def test_two_lines_of_view_tell_shape():
     assert tells_shape([left, top])
     assert not tells_shape([left, right])
     assert not tells_shape([])
+    assert tells_shape([left, replace(top, view="40,15")])
 
 
 def test_the_fields_of_a_mesh_are_its_distances_and_parts_meet():
@@ -53,7 +56,7 @@ def test_another_pose_brings_the_model_nearer_to_the_truth():
     fields, shots, grid = whole.parts_of(images, cameras, TREE, heights, params.volume)
     bent, overlap = reposed(others, shots, grid, fields, TREE, heights, params)
     vertices, faces, _, _ = four_legged("standing", spacing=0.06)
-    camera, _ = framed(vertices, named("left"), 160)
+    camera, _ = framed(vertices, of_view("left"), 160)
 
     def error(parts):
         surface = whole.surface(parts, shots, grid, params.volume)

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from ipcli.errors import NoSolution
-from ipcli.geometry.orthographic import Orthographic, named
+from ipcli.geometry.orthographic import Orthographic, of_view
 from ipcli.geometry.part_masks import render
 from ipcli.models.animal import cameras as cm
 from ipcli.models.animal import whole
@@ -87,7 +87,7 @@ def test_the_order_of_the_images_does_not_matter(taken):
 
 def test_silhouettes_without_a_common_body_have_no_solution(taken):
     (image, camera), (other, second), *_ = taken
-    apart = Orthographic(named("front"), second.scale, np.array([1e5, 1e5]))
+    apart = Orthographic(of_view("front"), second.scale, np.array([1e5, 1e5]))
     with pytest.raises(NoSolution, match="in common"):
         whole.grid_of([image, other], [camera, apart], 40)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ipcli.geometry.orthographic import named
+from ipcli.geometry.orthographic import of_view
 from ipcli.report.animal import surfaces
 from tests.fixtures import limbs
 
@@ -11,7 +11,7 @@ from tests.fixtures import limbs
 def test_a_shaded_mesh_stands_out_from_its_ground_in_its_colour():
     vertices, faces, labels = limbs.mesh(0.06)
     red = np.tile([200.0, 20, 20], (len(faces), 1))
-    picture = surfaces.shaded(vertices, faces, red, named("left"), 80)
+    picture = surfaces.shaded(vertices, faces, red, of_view("left"), 80)
     body = (picture != surfaces.BEHIND).any(axis=-1)
     assert 0.2 < body.mean() < 0.9
     assert (picture[body][:, 0] > picture[body][:, 1]).all()
