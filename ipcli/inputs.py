@@ -16,6 +16,7 @@ from ipcli.errors import FormatError
 
 log = logging.getLogger(__name__)
 CUT = "the file ends without an end of line: its last number may be cut"  # what `cut_number` found, in words
+BINARY = 1 << 12  # bytes at the start of a file, among which no text has a zero
 MOST_BYTES = 1 << 24  # of a file of settings; those that come with a capture's calibration have kilobytes
 
 
@@ -45,6 +46,10 @@ def read_small_text(path: Path) -> str:
     except OSError as error:
         raise FormatError(path, f"cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
+        if b"\0" in path.read_bytes()[:BINARY]:
+            raise FormatError(
+                path, "not a text, but a binary file such as a picture", fix="Give another file"
+            ) from error
         raise FormatError(path, f"not a readable text file: {error}", fix="Save it as UTF-8") from error
 
 

@@ -103,6 +103,12 @@ def test_settings_of_gigabytes_are_not_read(tmp_path):
         inputs.read_toml(tmp_path / "s.toml")
 
 
+def test_a_picture_given_as_settings_is_told_to_be_one(tmp_path):
+    (tmp_path / "s.toml").write_bytes(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR")
+    with pytest.raises(FormatError, match="binary file such as a picture"):
+        inputs.read_toml(tmp_path / "s.toml")
+
+
 def test_a_byte_order_mark_is_no_key(tmp_path):
     Path(tmp_path / "s.toml").write_bytes(b"\xef\xbb\xbfa = 1\n")
     assert inputs.read_toml(tmp_path / "s.toml") == {"a": 1}

@@ -115,6 +115,7 @@ MODEL = Kind(
               refers=Ref("parts", none=True, base=1)),
         Field("pictures/*/picture", "uint8", ("h", "w", 3), "", "RGB", optional=True),
         Field("warnings", "str", ("q",), "", "What is odd about the masks"),
+        Field("doubts", "str", ("d",), "", "What makes the model doubtful", optional=True),
         *REGISTERED,
     ),
     together=(

@@ -14,6 +14,8 @@ from ipcli.io.files import images, npz
 
 CONVENTIONS = {"opengl": (1, 1, 1), "opencv": (1, -1, -1), "directx": (1, -1, 1)}
 LARGEST = 1 << 26  # pixels
+MOST_GREY = 0.1  # share of a mask between black and white: more than soft edges have
+MARGIN = 0.1  # of the brightest, within which a value counts as black or as white
 HALF = 0.5
 
 
@@ -75,8 +77,14 @@ def read_mask(path: Path, shape: tuple[int, int]) -> np.ndarray:
             fix="Give the --mask of this picture",
         )
     plane = stored if stored.ndim == 2 else stored[..., 3] if _has_alpha(stored) else stored[..., :3].max(axis=-1)
-    mask = plane > HALF * max(int(plane.max()), 1)
+    brightest = max(int(plane.max()), 1)
+    mask = plane > HALF * brightest
     fix = "Paint the object white on black, in one piece"
+    grey = float(((plane > MARGIN * brightest) & (plane < (1 - MARGIN) * brightest)).mean())
+    if grey > MOST_GREY:
+        raise FormatError(
+            path, f"a picture of greys, not a mask: {100 * grey:.0f} % is neither black nor white", fix=fix
+        )
     if not mask.any() or mask.all():
         raise FormatError(path, f"mask is {'empty' if not mask.any() else 'all object'}", fix=fix)
     parts, count = label(mask)
@@ -141,6 +149,8 @@ def _numbers(path: Path) -> np.ndarray:
         if len(arrays) != 1:
             raise FormatError(path, "not one map", expected="a single array", got=f"{len(arrays)}: {', '.join(arrays)}")
         return next(iter(arrays.values()))
+    if path.suffix.lower() != ".png":
+        raise FormatError(path, "not a map that is read", expected=".npy, .npz or .png", got=path.suffix or "no suffix")
     return images.read_stored(path)
 
 

@@ -94,6 +94,10 @@ def merge(maps: Sequence[FusedMap], settings: Merge, most: int | None = None) ->
     Raises NoSolution if nothing is confirmed by enough maps, ParameterError for a spacing too fine for the extent or
     for a cloud of `most` points.
     """
+    if len(maps) <= settings.agree:
+        raise NoSolution(
+            f"{len(maps)} maps, and a point must be seen alike by {settings.agree} others: give more, or lower --agree"
+        )
     order = range(len(maps))
     glances = threads.each(lambda i: Glance.at(maps[i]), order)
     sides = [glance.side for glance in glances if np.isfinite(glance.side)]

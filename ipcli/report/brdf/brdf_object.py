@@ -105,8 +105,8 @@ def warnings(arrays: Mapping[str, np.ndarray]) -> list[str]:
     if is_tied(arrays):
         found.append(
             "this picture does not tell convex from concave: both explain it equally well "
-            f"(energies differ by {percent(abs(float(arrays['tie'])))}). --relief concave takes the other; --relief "
-            f"light-above the one lit from above"
+            f"(energies differ by {percent(abs(float(arrays['tie'])))}). --relief convex, concave or light-above (what "
+            "is lit from above stands out) decides"
         )
     found += doubts(arrays)
     if float(arrays["saturated"]) > BRIGHT:

@@ -24,6 +24,7 @@ from ipcli.io.parts.project import Project
 from ipcli.measurements.part_images import PartImage, folded, oddities, told
 from ipcli.models.animal import whole
 from ipcli.models.animal.aspects import lift_all
+from ipcli.models.animal.doubts import doubts
 from ipcli.models.animal.merging import Overlay, alike, merged
 from ipcli.models.animal.parameters import Inflation, Modelling, Registration, Volume
 from ipcli.models.animal.placing import placed
@@ -213,6 +214,9 @@ def model_artefact(animal: Project, aspects: Path, components: Path, params: Mod
     surface, cameras = whole.scaled(surface, cameras, animal.size)
     tell(0.7, "looking at it")
     shown, pictures = _looked_at(surface, images, cameras, len(animal.tree))
+    doubtful = doubts(images, cameras, animal.tree, shown["overlaps"].tolist(), surface.face_part)
+    for line in doubtful:
+        log.warning("%s: %s", animal.name, line)
     bodies = {
         f"bodies/{part:03d}/{key}": value
         for part, (vertices, faces) in surface.parts.items()
@@ -227,6 +231,7 @@ def model_artefact(animal: Project, aspects: Path, components: Path, params: Mod
             "face_part": surface.face_part,
             "seen_by": whole.seen_by(surface, images, cameras),
             "views": np.array([image.view or "" for image in images]),
+            "doubts": np.array(doubtful, dtype=np.str_).reshape(-1),
             "warnings": np.array(told(oddities(animal.images, animal.tree)), dtype=np.str_).reshape(-1),
         }
         | _cameras(images, cameras)

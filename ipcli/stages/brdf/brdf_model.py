@@ -79,6 +79,7 @@ def modelled(source: ObjectFiles, params: BrdfModel, progress: Progress) -> dict
         raise NoSolution(f"the object is {size} pixels long: give a picture of it with {SMALLEST} or more")
     if not photo.colour[box][mask].any():
         raise NoSolution("the object is black all over: check that --mask is white where the object is")
+    truth = read_truth(source, photo.mask.shape)  # before the work: a file of another kind is told at once
     if source.normals:
         given = photographs.read_normals(source.normals, source.convention, photo.mask.shape)[box]
         made = integrated(given, photo.colour[box], mask, shelf, params.inference)
@@ -87,7 +88,7 @@ def modelled(source: ObjectFiles, params: BrdfModel, progress: Progress) -> dict
     arrays = described(made, photo, box, shelf, params)
     for doubt in doubts(arrays):
         log.warning("%s: %s", source.photo, doubt)
-    return arrays | judged(arrays, source)
+    return arrays | judged(arrays, truth)
 
 
 def library_of(path: Path) -> Library:
@@ -148,16 +149,19 @@ def described(
     }
 
 
-def judged(arrays: Mapping[str, np.ndarray], source: ObjectFiles) -> dict[str, np.ndarray]:
-    """Errors of the surface and of the shapes that need no picture, where the truth is given."""
-    mask = arrays["mask"] > 0
+def read_truth(source: ObjectFiles, shape: tuple[int, int]) -> dict[str, np.ndarray]:
+    """The true normals (h, w, 3) and heights (h, w), of a picture (h, w), that are given."""
     truth = {}
     if source.truth_normals:
-        truth["truth_normals"] = photographs.read_normals(source.truth_normals, source.convention, mask.shape).astype(
-            np.float32
-        )
+        truth["truth_normals"] = photographs.read_normals(source.truth_normals, source.convention, shape)
     if source.truth_height:
-        truth["truth_height"] = photographs.read_height(source.truth_height, mask.shape).astype(np.float32)
+        truth["truth_height"] = photographs.read_height(source.truth_height, shape)
+    return {name: values.astype(np.float32) for name, values in truth.items()}
+
+
+def judged(arrays: Mapping[str, np.ndarray], truth: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Errors of the surface and of the shapes that need no picture, where the truth is given."""
+    mask = arrays["mask"] > 0
     if not truth:
         return {}
     box = box_of(mask)
@@ -174,7 +178,7 @@ def judged(arrays: Mapping[str, np.ndarray], source: ObjectFiles) -> dict[str, n
         for shape in shapes.values()
     ]
     columns = np.array(evaluation.COLUMNS)
-    return truth | {"metrics": np.array(rows), "metric_rows": np.array(list(shapes)), "metric_columns": columns}
+    return dict(truth) | {"metrics": np.array(rows), "metric_rows": np.array(list(shapes)), "metric_columns": columns}
 
 
 def write_mesh(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:

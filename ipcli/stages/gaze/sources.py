@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,15 +15,22 @@ from ipcli.measurements.recording import HeadRecording, window
 from ipcli.models.gaze.gaze_calibration import calibrated
 from ipcli.stages.gaze.parameters import RecordingSource
 
+log = logging.getLogger(__name__)
+
 
 def open_source(path: Path, source: RecordingSource) -> HeadRecording:
     """The recording with its gaze. Raises what io.gaze.layouts.open_recording and gaze_files.read_gaze raise."""
     found = layouts.open_recording(path, source.format, intrinsics=source.intrinsics, depth_scale=source.depth_scale)
     found = _with_targets(_calibrated(_with_gaze(found, source, path), source), path)
+    for words in found.dropped:
+        log.warning("%s: %s", path, words)
+    count = len(found.names)
     if (source.start, source.stop, source.step) != (0, 0, 1):
         found = window(found, source.start, source.stop, source.step)
     if not found.names:
-        raise ParameterError(f"{path}: no frame between --start {source.start} and --stop {source.stop}")
+        raise ParameterError(
+            f"{path}: none of its {count} frames lies between --start {source.start} and --stop {source.stop or count}"
+        )
     return found
 
 

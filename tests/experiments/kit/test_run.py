@@ -128,12 +128,13 @@ def test_benchmarks_of_all_chapters_are_run_and_quick_if_asked(tmp_path):
         plan = make(tmp_path, "-n", *quick, "benchmarks", "RECORDING=walk")
         run = [line for line in plan.splitlines() if "-m benchmarks." in line]
         assert [line.split("-m benchmarks.")[1].split()[0] for line in run] == [
-            *("fusion.solver", "fusion.baselines", "fusion.scaling", "fusion.memory"),
+            *("fusion.solver", "fusion.baselines", "fusion.scaling", "fusion.memory", "fusion.tiles"),
             *("mocap.gibbs", "mocap.speed", "mocap.peers"),
-            *("gaze.paths", "saliency.speed", "brdf.speed"),
+            *("gaze.paths", "saliency.speed"),
+            *("brdf.speed", "brdf.solvers"),
         ]
         assert all(("--quick" in line) == bool(quick) for line in run)
-        assert all("--recording walk" in line for line in run[-3:-1])
+        assert all("--recording walk" in line for line in run[-4:-2])
     alone = make(tmp_path, "-n", "benchmarks/gaze-paths", "benchmarks/saliency-speed")
     assert alone.count("--quick") == 2  # without a recording, a generated one
 

@@ -35,7 +35,13 @@ def test_sixteen_bits_are_taken_as_they_are(tmp_path):
 
 @pytest.mark.parametrize(
     ("mask", "message"),
-    [("small", "differ in size"), ("empty", "empty"), ("full", "all object"), ("two", "several pieces")],
+    [
+        ("small", "differ in size"),
+        ("empty", "empty"),
+        ("full", "all object"),
+        ("two", "several pieces"),
+        ("grey", "a picture of greys, not a mask"),
+    ],
 )
 def test_wrong_masks_are_told(tmp_path, mask, message):
     made = {
@@ -43,6 +49,7 @@ def test_wrong_masks_are_told(tmp_path, mask, message):
         "empty": np.zeros((20, 30)),
         "full": np.ones((20, 30)),
         "two": np.zeros((20, 30)),
+        "grey": np.tile(np.linspace(0, 1, 30), (20, 1)),
     }[mask]
     if mask == "two":
         made[2:8, 2:8] = made[12:18, 12:18] = 1
@@ -83,3 +90,9 @@ def test_normals_of_another_convention_are_refused(tmp_path):
     np.save(tmp_path / "n.npy", 3 * n)
     with pytest.raises(FormatError, match="unit length"):
         photographs.read_normals(tmp_path / "n.npy", "opengl", (4, 4))
+
+
+def test_a_map_of_another_kind_is_refused_by_its_suffix(tmp_path):
+    (tmp_path / "n.mat").write_bytes(b"MATLAB 5.0 MAT-file")
+    with pytest.raises(FormatError, match=r"expected \.npy, \.npz or \.png, got \.mat"):
+        photographs.read_height(tmp_path / "n.mat", (20, 30))

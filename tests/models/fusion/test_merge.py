@@ -133,7 +133,7 @@ def test_neighbours_are_those_that_look_at_the_same_place_from_near_by():
 
 
 def test_without_enough_maps_that_agree_there_is_no_solution():
-    with pytest.raises(NoSolution, match="2 of the 1 other maps.*--agree"):
+    with pytest.raises(NoSolution, match="2 maps, and .* by 2 others: give more, or lower --agree"):
         merge(maps(2), SETTINGS)
 
 

@@ -69,7 +69,7 @@ def test_along_a_strip_the_step_is_the_baseline(mesh, tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("x.stl", b"", "expected .ply or .obj, got .stl"),
+        ("x.stl", b"", "expected .ply or .obj or .off, got .stl"),
         ("x.ply", b"ply\nformat ascii 1.0\nelement ver", "cannot be read"),
         ("x.obj", b"v 0 0 0\nv 0 0 1\n", "holds no triangles|cannot be read"),
     ],

@@ -7,12 +7,14 @@ import pytest
 
 from experiments.gaze import room
 from ipcli.cli.main import main
+from ipcli.errors import ParameterError
 from ipcli.geometry import lens
 from ipcli.io.files import h5, ply
 from ipcli.io.gaze import layouts
 from ipcli.params import Run
 from ipcli.stages.gaze import gaze_sfm
-from ipcli.stages.gaze.parameters import GazeSfm
+from ipcli.stages.gaze.parameters import GazeSfm, RecordingSource
+from ipcli.stages.gaze.sources import open_source
 from tests.fixtures.attack.seeds import SEEDS
 
 COURSE = room.Course(frames=8, width=320, height=240, gaze_rate=45.0)
@@ -223,3 +225,12 @@ def test_a_recording_without_gaze_is_said_to_have_none(tmp_path, caplog, only, c
     source = SEEDS["gaze/kitti"].write(tmp_path)
     gaze_sfm.run(source, tmp_path / "x.h5", GazeSfm(poses_only=only), Run(dry_run=True))
     assert sum("no gaze, so no points of regard" in record.message for record in caplog.records) == count
+
+
+def test_pictures_left_out_are_warned_of_and_an_empty_window_tells_how_many_there_are(tmp_path, caplog):
+    room.write_euroc(room.walk(room.Course(frames=3, width=64, height=48, gaze_rate=30.0), 1), tmp_path)
+    sorted((tmp_path / "cam1").iterdir())[2].unlink()
+    open_source(tmp_path, RecordingSource())
+    assert "1 pictures have no partner" in caplog.text
+    with pytest.raises(ParameterError, match="none of its 2 frames lies between --start 5 and --stop 2"):
+        open_source(tmp_path, RecordingSource(start=5))

@@ -88,5 +88,7 @@ def test_a_broken_picture_does_not_stop_the_others_and_is_named(tmp_path):
 
 def test_a_folder_of_surfaces_is_told_that_they_are_given_one_by_one(tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\n")
-    with pytest.raises(FormatError, match=r"no picture and no surface.*\.ply \.obj \.stl \.glb.*one by one: .*a\.obj"):
+    with pytest.raises(
+        FormatError, match=r"no picture and no surface.*\.ply \.obj \.off \.stl \.glb.*one by one: .*a\.obj"
+    ):
         saliency_predict.run(tmp_path, tmp_path / "out.h5", None, SaliencyPredict(), Run())

@@ -1,0 +1,55 @@
+"""What makes a finished model doubtful, in sentences that name the likely cause and its cure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ipcli.geometry.orthographic import Orthographic
+from ipcli.measurements.part_images import PartImage, PartTree
+from ipcli.models.animal.placing import OBLIQUE
+
+LEAST_LIKE = 0.7  # share of pixels with the right part, below which an image and the model do not go together
+
+
+def doubts(
+    images: Sequence[PartImage],
+    cameras: Sequence[Orthographic],
+    tree: PartTree,
+    overlaps: Sequence[float],
+    face_part: np.ndarray,
+) -> list[str]:
+    """Images that the model does not look like, declared parts that it lacks, and views whose angle nothing tells.
+
+    `overlaps` (k,) are shares of pixels whose part agrees, `face_part` (m,) the part of each face of the model.
+    """
+    found = [
+        f"{image.name}: the model shows the right part in only {100 * share:.0f} % of the pixels. Check the view of "
+        "each image, and that left and right are the animal's"
+        for image, share in zip(images, overlaps, strict=True)
+        if share < LEAST_LIKE
+    ]
+    lost = [name for part, name in enumerate(tree.names) if part not in face_part]
+    if lost:
+        found.append(
+            f"not in the model: {', '.join(lost)}. No image of the reference pose shows them, or the others leave them "
+            "no room"
+        )
+    searched = [image.name for image in images if image.view is None]
+    named = [camera for image, camera in zip(images, cameras, strict=True) if image.view is not None]
+    if searched and _lines(named) < 2 and _lines(cameras) == 2:
+        found.append(
+            f"{', '.join(searched)}: two lines of view do not tell the angle between them: the shape may be sheared. "
+            "Give the view (a name, or angles as view = [40, 15]), or an image along a third line"
+        )
+    return found
+
+
+def _lines(cameras: Sequence[Orthographic]) -> int:
+    """Number of lines that cameras look along, those that are nearly the same counted once."""
+    lines: list[np.ndarray] = []
+    for camera in cameras:
+        if all(abs(camera.direction @ line) < OBLIQUE for line in lines):
+            lines.append(camera.direction)
+    return len(lines)
