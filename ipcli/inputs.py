@@ -6,6 +6,7 @@ digest and a reader, and /dev/zero has no end.
 
 from __future__ import annotations
 
+import codecs
 import logging
 import os
 import stat
@@ -46,7 +47,8 @@ def read_small_text(path: Path) -> str:
     except OSError as error:
         raise FormatError(path, f"cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        if b"\0" in path.read_bytes()[:BINARY]:
+        head = path.read_bytes()[:BINARY]
+        if b"\0" in head and not head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
             raise FormatError(
                 path, "not a text, but a binary file such as a picture", fix="Give another file"
             ) from error
