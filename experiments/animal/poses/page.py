@@ -45,7 +45,7 @@ PAIRS = (
 )
 INDIVIDUALS = (  # one of the kind stands for the animal itself in the other pose
     *("396 horse10", "Wolf Fox"),
-    *("Donkey Horse", "Wolf Husky", "ShibaInu Wolf", "Stag Deer", "Bull Cow", "horse0 396", "396 397"),
+    *("Donkey Horse", "Wolf Husky", "Stag Deer", "Bull Cow", "horse0 396", "396 397"),
 )
 CLIPS = (("Idle", 0.0), ("Gallop", 0.3))
 METHODS = ("visual hull, rims kept", "parts of the reference views", "the same, drawn to the outlines", "bent")
