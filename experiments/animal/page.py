@@ -42,9 +42,11 @@ def trials(given: argparse.Namespace) -> list[dict]:
         path = given.out.parent / f"{animal.name}.json"
         if not path.is_file():
             params = QUICK if given.quick else Modelling()
-            against = {} if given.noise or given.blind else trial.AGAINST
+            against = {} if given.noise or given.blind or given.symmetry else trial.AGAINST
             sets = {
-                name: trial.run(animal, trial.SETS[name], given.blind, given.noise, params, against.get(name, ()))
+                name: trial.run(
+                    animal, trial.SETS[name], given.blind, given.noise, params, against.get(name, ()), given.symmetry
+                )
                 for name in (list(BARS) if given.quick else given.sets.split(","))
             }
             about = {
@@ -175,6 +177,7 @@ def main() -> None:
     parser.add_argument("--sets", default=",".join(trial.SETS), help="names of sets of views, with commas")
     parser.add_argument("--noise", type=float, default=0.0, help="pixels of contour noise; our model only")
     parser.add_argument("--blind", action="store_true", help="only the first view has a name; our model only")
+    parser.add_argument("--symmetry", action="store_true", help="paired limbs share aspects; our model only")
     parser.add_argument("--quick", action="store_true")
     given = parser.parse_args()
     given.out.parent.mkdir(parents=True, exist_ok=True)

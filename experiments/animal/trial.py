@@ -16,13 +16,14 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from experiments.animal import meshes
+from experiments.animal import meshes, symmetry
 from ipcli.geometry.distances import apart
 from ipcli.geometry.orthographic import Orthographic, angle_between, looking, of_view
 from ipcli.geometry.part_masks import framed, render
 from ipcli.io.files import atomic
 from ipcli.measurements.part_images import PartImage
 from ipcli.models.animal import baselines, whole
+from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.parameters import FIELDS, MERGES, SEARCHES, Modelling, Volume
 from ipcli.models.animal.placing import placed
 
@@ -87,13 +88,23 @@ def methods(images, cameras, tree, params: Modelling):
     }
 
 
-def run(animal: meshes.Animal, views, is_blind: bool, noise: float, params: Modelling, against=()) -> dict:
+def symmetric(images, cameras, tree, params: Modelling) -> whole.PartedSurface:
+    """The model in which the left and the right limb of a pair share their aspects."""
+    aspects, _ = symmetry.shared(lift_all(images, tree, params.inflation), images, tree.names, params.registration)
+    heights = {key: aspect.picture for key, aspect in aspects.items()}
+    fields, shots, grid = whole.parts_of(images, cameras, tree, heights, params.volume)
+    return whole.surface(fields, shots, grid, params.volume)
+
+
+def run(
+    animal: meshes.Animal, views, is_blind: bool, noise: float, params: Modelling, against=(), is_symmetric=False
+) -> dict:
     """All figures of one animal from one set of views, and those of the methods `against`."""
     images, truth = map(list, zip(*shots(animal, views, is_blind, noise), strict=True))
     started = time.process_time()
     cameras = placed(images, animal.tree, params)
     placing = time.process_time() - started
-    surface = whole.model(images, cameras, animal.tree, params)
+    surface = (symmetric if is_symmetric else whole.model)(images, cameras, animal.tree, params)
     seconds = time.process_time() - started
     goal = (animal.vertices, animal.faces)
     body = trimesh.Trimesh(surface.vertices, surface.faces, process=False)

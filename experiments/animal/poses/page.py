@@ -37,24 +37,33 @@ REFERENCES = {  # views of the reference pose, with mean and worst that are allo
     "left,three-quarter": (("left", by_angles(*trial.THREE_QUARTER["three-quarter"])), 0.0090, 0.0110),
 }
 GAIN = 0.1  # how far below the reference views' parts
-DEVELOPMENT = ("horse0 horse10", "cat0 cat5", "Fox")
+DEVELOPMENT = ("horse0 horse10", "cat0 cat5", "Fox", "396 horse10", "Wolf Fox")
 PAIRS = (
-    *DEVELOPMENT,
+    *("horse0 horse10", "cat0 cat5", "Fox"),
     *("horse0 horse15", "dog0 dog5"),
     *("Horse", "Wolf", "Husky", "ShibaInu", "Deer", "Donkey", "Alpaca", "Stag", "Cow", "Bull"),
+)
+INDIVIDUALS = (  # one of the kind stands for the animal itself in the other pose
+    *("396 horse10", "Wolf Fox"),
+    *("Donkey Horse", "Wolf Husky", "Stag Deer", "Bull Cow", "horse0 396", "396 397"),
 )
 CLIPS = (("Idle", 0.0), ("Gallop", 0.3))
 METHODS = ("visual hull, rims kept", "parts of the reference views", "the same, drawn to the outlines", "bent")
 
 
 def pair(name: str, data: Path, cache: Path) -> tuple[meshes.Animal, meshes.Animal]:
-    """The animal in the other pose and in the reference pose."""
-    if " " in name:
-        other, reference = name.split()
-        return meshes.load(cache, other), meshes.load(cache, reference)
-    rig = rigged.Rig(data / "animal" / "quaternius_animals" / f"{name}.glb")
-    first, second = (meshes.rigged(name, *rig.posed(*clip)) for clip in CLIPS)
-    return first, second
+    """The animal in the other pose, or the two that a name with a space tells, and in the reference pose."""
+    words = name.split() if " " in name else (name, name)
+    other, reference = (posed(word, clip, data, cache) for word, clip in zip(words, CLIPS, strict=True))
+    return other, reference
+
+
+def posed(name: str, clip: tuple[str, float], data: Path, cache: Path) -> meshes.Animal:
+    """A rigged animal (with a capital) in the pose of a clip, or one of Princeton or TOSCA in its own."""
+    if name[0].isupper():
+        rig = rigged.Rig(data / "animal" / "quaternius_animals" / f"{name}.glb")
+        return meshes.rigged(name, *rig.posed(*clip))
+    return meshes.load(cache, name)
 
 
 def run(animals: tuple[meshes.Animal, meshes.Animal], views: Sequence[str], params: Modelling) -> dict:
@@ -121,12 +130,14 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
     parser.add_argument("--cache", type=Path, default=Path("build/meshes/animal"))
     parser.add_argument("--only", default="", help="names of pairs, with commas")
+    parser.add_argument("--individuals", action="store_true", help="another individual in place of another pose")
     parser.add_argument("--reference", choices=list(REFERENCES), default="left,front", help="views of that pose")
     parser.add_argument("--quick", action="store_true", help="one generated animal in two poses")
     given = parser.parse_args()
     given.out.parent.mkdir(parents=True, exist_ok=True)
     params = Modelling(inflation=Inflation(triangles=300), volume=Volume(voxels=48)) if given.quick else Modelling()
-    names = ["generated"] if given.quick else given.only.split(",") if given.only else list(PAIRS)
+    every = INDIVIDUALS if given.individuals else PAIRS
+    names = ["generated"] if given.quick else given.only.split(",") if given.only else list(every)
     results = {}
     for name in names:
         path = given.out.parent / f"{name.replace(' ', '-')}.json"

@@ -88,7 +88,7 @@ def merged(
         for k, key in enumerate(group):
             back = np.linalg.inv(common[k])
             seen = [own[k].thickness(surface, back @ common[m]) for m, surface in enumerate(own)]
-            result[key] = _corrected(aspects[key], own[k], np.mean(seen, axis=0) - own[k].heights)
+            result[key] = corrected(aspects[key], own[k], np.mean(seen, axis=0) - own[k].heights)
     return result, overlays
 
 
@@ -132,7 +132,7 @@ def _table(group: Sequence[tuple[str, int]], overlays: Sequence[Overlay]) -> lis
     return table
 
 
-def _corrected(aspect: Aspect, surface: AspectSurface, change: np.ndarray) -> Aspect:
+def corrected(aspect: Aspect, surface: AspectSurface, change: np.ndarray) -> Aspect:
     """The aspect with a change (h, w), in the surface's picture, added to its heights, at 0 or above."""
     rows, columns = aspect.picture.shape
     left, top = surface.corner
