@@ -82,8 +82,9 @@ def run(animals: tuple[meshes.Animal, meshes.Animal], views: Sequence[str], para
     alone = whole.surface(fields, shots, grid, params.volume)
     own = {(name.removeprefix("other "), part): value for (name, part), value in heights.items() if "other " in name}
     bent, overlap = reposed(others, shots, grid, fields, tree, own, params)
-    found = whole.surface(bent, shots, grid, params.volume)
-    drawn = whole.surface(_drawn(alone, images, cameras, shots, grid, tree), shots, grid, params.volume)
+    found = whole.surface(bent, shots, grid, params.volume, is_drawn=True)
+    fields = _drawn(alone, images, cameras, shots, grid, tree)
+    drawn = whole.surface(fields, shots, grid, params.volume, is_drawn=True)
     rounded = baselines.visual_hull(images, cameras, params.volume.voxels, is_rounded=True)
     made = dict(zip(METHODS, (rounded, *((s.vertices, s.faces) for s in (alone, drawn, found))), strict=True))
     goal = (reference.vertices, reference.faces)

@@ -11,14 +11,16 @@ from ipcli.errors import NoSolution
 from ipcli.geometry import level_sets, meshes
 from ipcli.geometry.orthographic import Orthographic
 from ipcli.geometry.voxels import Sight, VoxelGrid, hull
-from ipcli.measurements.part_images import PartImage, PartTree
+from ipcli.measurements.part_images import PartImage, PartTree, pixels_of
 from ipcli.models.animal import rims, union
 from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.parameters import Modelling, Volume
 from ipcli.models.animal.parts import Shot, carve, rounded
 
 MAJORITY = 3  # times that a face takes the part of most of its neighbours
+BESIDE_RIMS = 3.0  # voxels from where a ray comes nearest to a drawn surface: what it lacks is added nearer
 SLACK = 1.0  # voxels by which the flow may leave the union of the parts
+STRETCH = 3.0  # most by which a hull that is longer than the animal makes the grid finer
 COARSE = 48  # points along each side of the grid that finds where the animal is
 
 
@@ -67,6 +69,7 @@ def shots_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], grid:
 def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels: int) -> VoxelGrid:
     """The grid around the visual hull, with so many voxels along its longest side.
 
+    Where oblique views leave the hull longer than any silhouette, the longest silhouette counts in its place.
     A view that nothing bounds along its direction (a single image) is given the depth of the animal's height.
     """
     middle = np.mean([c.lift(_middle(i.silhouette), 0.0) for i, c in zip(images, cameras, strict=True)], axis=0)
@@ -84,7 +87,15 @@ def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels
     high = rough.origin + rough.spacing * (inside.max(axis=0) + 1)
     if single:
         low, high = _shallow(low, high, images[0], cameras[0])
-    return VoxelGrid.around(low, high, float((high - low).max()) / voxels)
+    longest = float((high - low).max())
+    shown = max(extent_of(image, camera) for image, camera in zip(images, cameras, strict=True))
+    longest = max(min(longest, shown + 4 * rough.spacing), longest / STRETCH)  # the box has two to spare on each side
+    return VoxelGrid.around(low, high, longest / voxels)
+
+
+def extent_of(image: PartImage, camera: Orthographic) -> float:
+    """The longer side of an image's silhouette, in units of the world."""
+    return float(np.ptp(pixels_of(image.silhouette), axis=0).max()) / camera.scale
 
 
 def _middle(mask: np.ndarray) -> np.ndarray:
@@ -108,9 +119,14 @@ def surface(
     shots: Sequence[Shot],
     grid: VoxelGrid,
     params: Volume,
+    is_drawn: bool = False,
 ) -> PartedSurface:
-    """Merge the fields of all parts, round the whole, and mesh it and each part."""
-    phi = merged(fields, shots, params)
+    """Merge the fields of all parts, round the whole, and mesh it and each part.
+
+    `is_drawn` says that the fields are those of a surface that was drawn to the outlines: what it lacks of them is
+    added there and nowhere else.
+    """
+    phi = merged(fields, shots, params, BESIDE_RIMS if is_drawn else np.inf)
     solid = level_sets.largest(level_sets.fill(phi < 0))
     phi = np.where(solid, np.minimum(phi, -level_sets.LEAST), np.where(phi < 0, level_sets.LEAST, phi))
     vertices, faces = level_sets.mesh(phi, grid.spacing, grid.origin)
@@ -120,8 +136,8 @@ def surface(
     return PartedSurface(vertices, faces.astype(np.int32), labels, closed_parts(fields, phi, grid))
 
 
-def merged(fields: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume) -> np.ndarray:
-    """The field of the whole, rounded as `params.merge` says."""
+def merged(fields: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume, reach: float = np.inf) -> np.ndarray:
+    """The field of the whole, rounded as `params.merge` says; `reach` as `rims.keep_rims` takes it."""
     least = np.minimum.reduce(list(fields)).astype(np.float32)
     if params.merge == "union":
         return union.smoothed(least, params.rounding).astype(np.float32)
@@ -131,9 +147,9 @@ def merged(fields: Sequence[np.ndarray], shots: Sequence[Shot], params: Volume) 
     outlines = [shot.sight.silhouette_distance(shot.image.silhouette) for shot in shots]
     whole = np.maximum.reduce(outlines)
     wanted = [rims.wanted_depth(sight, rim) for sight, rim in zip(sights, outlines, strict=True)]
-    covered = rims.keep_rims(least, whole, sights, wanted)
+    covered = rims.keep_rims(least, whole, sights, wanted, reach)
     bound = np.maximum(whole, np.minimum(least, covered) - SLACK)
-    return rims.round_off(least, bound, sights, outlines, params.rounding)
+    return rims.round_off(least, bound, sights, outlines, params.rounding, reach)
 
 
 def labels_at(fields: Sequence[np.ndarray], grid: VoxelGrid, points: np.ndarray) -> np.ndarray:

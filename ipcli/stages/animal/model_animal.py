@@ -210,7 +210,7 @@ def model_artefact(animal: Project, aspects: Path, components: Path, params: Mod
     cameras = [Orthographic(rotation, scale, shift) for rotation, scale, shift in rows]
     shots = whole.shots_of(images, cameras, grid)
     tell(0.1, "merging and rounding")
-    surface = whole.surface(list(arrays["fields"]), shots, grid, params.volume)
+    surface = whole.surface(list(arrays["fields"]), shots, grid, params.volume, is_drawn="bent_overlap" in arrays)
     surface, cameras = whole.scaled(surface, cameras, animal.size)
     tell(0.7, "looking at it")
     shown, pictures = _looked_at(surface, images, cameras, len(animal.tree))

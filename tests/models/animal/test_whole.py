@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from ipcli.errors import NoSolution
-from ipcli.geometry.orthographic import Orthographic, of_view
+from ipcli.geometry.orthographic import Orthographic, by_angles, of_view
 from ipcli.geometry.part_masks import render
 from ipcli.models.animal import cameras as cm
 from ipcli.models.animal import whole
@@ -49,6 +49,15 @@ def test_the_model_is_near_the_truth_and_closed(taken):
     assert set(surface.parts) == {0, 1, 2, 3}
     assert all(trimesh.Trimesh(*part, process=False).is_watertight for part in surface.parts.values())
     assert distance(surface, found, truth) < 0.008
+
+
+def test_a_hull_that_leans_far_does_not_make_the_grid_coarse(taken):
+    oblique = by_angles(35.0, 10.0)
+    images, truth = zip(*limbs.shots(("left", oblique)), strict=True)
+    lean = whole.grid_of(images, truth, 56)
+    upright = whole.grid_of(*zip(*taken[:3], strict=True), 56)
+    assert max(lean.shape) > 1.1 * max(upright.shape)
+    assert lean.spacing == pytest.approx(upright.spacing, rel=0.15)
 
 
 def test_parts_and_rims_beat_the_visual_hull_from_two_silhouettes(taken):
