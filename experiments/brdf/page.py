@@ -1,7 +1,7 @@
 """Chapter 7 measured: every method on every case, as CSV, JSON and a page with the bars.
 
 python -m experiments.brdf.page mit|diligent|synthetic|traced|painted|reliefs|development|rims|materials --library FILE
-    -o FOLDER [--data FOLDER] [--quick] [--only METHOD ...] [--cases WORD] [--every N]
+    -o FOLDER [--data FOLDER] [--quick] [--only METHOD ...] [--cases WORD] [--every N] [--draws N]
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import json
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
-from itertools import islice
+from itertools import islice, product
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,7 @@ from ipcli.models.brdf import scenes as generated
 from ipcli.models.brdf.library import Library
 from ipcli.models.brdf.parameters import Inference
 from ipcli.models.brdf.reconstruct import baselines, reconstruct
+from ipcli.report.brdf.brdf_object import TIED
 from ipcli.report.kit.numbers import number
 from ipcli.report.kit.page import page, section, table
 from ipcli.rng import stream
@@ -48,7 +49,7 @@ EACH = (  # shown for each object
     "ours",
     "always a solid",
     "true rim",
-    "true relief",
+    "sign told where it ties",
     "true map, as a solid",
     "patches in the prior, as a solid",
 )
@@ -60,10 +61,10 @@ READERS: dict[str, Callable[[Path], Iterator[Case]]] = {
 }
 
 
-def cases(study: str, data: Path, shelf: Library, metals: np.ndarray, quick: bool) -> Iterator[Case]:
+def cases(study: str, data: Path, shelf: Library, metals: np.ndarray, quick: bool, draws: int = 1) -> Iterator[Case]:
     """The cases of a study; the quick ones are generated and need no data. `metals` (b,) marks the shelf's."""
     if study == "synthetic":
-        yield from synthetic(shelf, metals, quick)
+        yield from synthetic(shelf, metals, quick, draws)
     elif study == "painted":
         yield from painted.cases(shelf, ~metals, quick)
     elif quick:
@@ -76,20 +77,24 @@ def cases(study: str, data: Path, shelf: Library, metals: np.ndarray, quick: boo
         yield from READERS[study](data)
 
 
-def synthetic(shelf: Library, metals: np.ndarray, quick: bool) -> Iterator[Case]:
-    """Five objects in every material, each under a light that is drawn by its name."""
-    for name, made in scenes.own(128 if quick else 192).items():
+def synthetic(shelf: Library, metals: np.ndarray, quick: bool, draws: int = 1) -> Iterator[Case]:
+    """Five objects in every material, each under a light that is drawn by its name; all over again for further draws,
+    which are summed up by themselves.
+    """
+    objects = scenes.own(128 if quick else 192)
+    for draw, (name, made) in product(range(1, draws + 1), objects.items()):
+        of_draw = f", draw {draw}" if draw > 1 else ""
         for index, material in enumerate(shelf.materials[: 1 if quick else None]):
-            rng = stream(7, "synthetic", f"{name} {material}")
+            rng = stream(7, "synthetic", f"{name} {material}{of_draw}")
             chart = shelf.charts[int(rng.choice(np.flatnonzero(shelf.material == index)))]
             yield Case(
-                f"{name} {material}",
+                f"{name} {material}{of_draw}",
                 material,
                 generated.photograph(made, chart, rng),
                 made.mask,
                 made.normals,
                 made.height,
-                "Metals" if metals[index] else "Plastics",
+                ("Metals" if metals[index] else "Plastics") + of_draw,
             )
 
 
@@ -145,8 +150,8 @@ def measured(case: Case, shelf: Library, params: Inference, only: Sequence[str] 
 
 
 def judged(case: Case, shelf: Library, params: Inference, inflation: float) -> dict[str, list[float]]:
-    """The same of ours and of what comes with it, and of ours when the rim, the sign of a hollow or the map is told;
-    `inflation` is its N-MAE.
+    """The same of ours and of what comes with it, and of ours when the rim, the map or, of a hollow whose picture does
+    not settle it, the sign is told; `inflation` is its N-MAE.
     """
     started = time.monotonic()
     ours = reconstruct(case.colour, case.mask, shelf, params)
@@ -163,7 +168,8 @@ def judged(case: Case, shelf: Library, params: Inference, inflation: float) -> d
         return reconstruct(case.colour, case.mask, shelf, replace(params, rim=rim, relief=relief)).height
 
     shapes["true rim"] = told(rim, params.relief) if known is None else known
-    shapes["true relief"] = told("solid", "concave") if hollow < inflation else ours.height
+    is_unsettled = hollow < inflation and abs(ours.tie) < TIED
+    shapes["sign told where it ties"] = told(params.rim, "concave") if is_unsettled else ours.height
     shapes["true map, as a solid"] = true_map(case, params)
     return {name: [*errors_of(shape, case), seconds if name == "ours" else np.nan] for name, shape in shapes.items()}
 
@@ -282,22 +288,27 @@ def materials(folder: Path, arrays: dict[str, np.ndarray], quick: bool) -> None:
 def write_reliefs(folder: Path, found: list[reliefs.Told]) -> None:
     """CSV, JSON and page of which way reliefs were said to bend."""
     write_table(folder / "reliefs.csv", [asdict(one) for one in found], study="reliefs")
-    rows = []
-    for light in dict.fromkeys(one.light for one in found):
-        mine = [one for one in found if one.light == light]
-        shares = (float(np.mean([getattr(one, key) for one in mine])) for key in ("right", "convex", "ties"))
-        rows.append((light, str(len(mine)), *(f"{100 * share:.0f} %" for share in shares)))
-        print("light from", *rows[-1])
     columns = (
-        "Light from",
+        "Of",
+        "light from",
         "reliefs",
         "area of the right sign by light-above",
         "all taken as convex",
         "reported as open",
     )
-    part = section("Bowls and domes", table(columns, rows), lead=f"Bar: {BARS['reliefs']}.")
+    parts = []
+    for title, key in (("All", "kind"), ("Each", "name")):
+        rows = []
+        for of, light in dict.fromkeys((getattr(one, key), one.light) for one in found):
+            mine = [one for one in found if (getattr(one, key), one.light) == (of, light)]
+            shares = (
+                float(np.mean([getattr(one, of_what) for one in mine])) for of_what in ("right", "convex", "ties")
+            )
+            rows.append((of, light, str(len(mine)), *(f"{100 * share:.0f} %" for share in shares)))
+            print(*rows[-1], sep="  ")
+        parts.append(section(title, table(columns, rows), lead=f"Bar: {BARS['reliefs']}."))
     verdict = f"{len({one.name for one in found})} reliefs, each under three lights."
-    atomic.write_text(folder / "index.html", page("Which way it bends", "experiments/brdf", verdict, part))
+    atomic.write_text(folder / "index.html", page("Which way it bends", "experiments/brdf", verdict, *parts))
 
 
 def main() -> None:
@@ -313,6 +324,7 @@ def main() -> None:
     parser.add_argument(
         "--every", type=int, default=1, help="one case of so many; 5: one mix of each object of diligent"
     )
+    parser.add_argument("--draws", type=int, default=1, help="times that lights are drawn anew for synthetic")
     given = parser.parse_args()
     arrays = h5.read(given.library, "brdf-library").arrays
     if given.study == "materials":
@@ -329,7 +341,7 @@ def main() -> None:
         write_reliefs(given.output, list(reliefs.measured(shelf, given.quick)))
         return
     rows, groups, kinds = {}, {}, {}
-    found = cases(given.study, given.data, shelf, arrays["is_metal"] > 0, given.quick)
+    found = cases(given.study, given.data, shelf, arrays["is_metal"] > 0, given.quick, given.draws)
     for case in islice((one for one in found if given.cases in one.name), 0, None, given.every):
         rows[case.name], groups[case.name] = measured(case, shelf, Inference(), given.only), case.group
         kinds[case.name] = case.kind

@@ -89,18 +89,19 @@ def own(side: int) -> dict[str, ImplicitSurface]:
 
 def solids() -> dict[str, surfaces.Implicit]:
     """Boot, moka pot, dish, teapot and vase as implicit solids: none is of the families that libraries learn from."""
-    tilt = _about_x(0.35)
+    tilt = about_x(0.35)
     made = {
         "boot": _boot(),
         "moka pot": _moka(),
-        "dish": surfaces.turned(_dish(), _about_x(0.25)),
+        "dish": surfaces.turned(_dish(), about_x(0.25)),
         "teapot": _teapot(),
         "vase": _vase(),
     }
     return {name: surfaces.turned(solid, tilt) for name, solid in made.items()}
 
 
-def _about_x(angle: float) -> np.ndarray:
+def about_x(angle: float) -> np.ndarray:
+    """The rotation (3, 3) by an angle about the x axis."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[1, 0, 0], [0, c, s], [0, -s, c]])
 

@@ -13,12 +13,14 @@ import numpy as np
 
 VIEWER_TITLE = "<title>trimesh: threejs viewer</title>"
 CONTAINER = '<div id="container"></div>'
-CHANGES = (  # of the viewer's script: it turns about the pivot; surfaces are no metal, and seen from behind too
+CHANGES = (  # of the viewer's script: it turns about the pivot; light that adds up to 1 shows colours as they are given
     ("centerControls(scene,camera,controls);render();", "controls.target.set(0,0,0);render();"),
+    ("new THREE.DirectionalLight(0xffffff,1.75)", "new THREE.DirectionalLight(0xffffff,0.55)"),
     (
-        "scene.add(gltf.scene);",
-        "scene.add(new THREE.AmbientLight(0xffffff,0.35));scene.add(gltf.scene);"
-        "gltf.scene.traverse(o=>{if(o.isMesh){o.material.metalness=0;o.material.side=2;}});",
+        "scene.add(gltf.scene);",  # no metal, and seen from behind too; points of one pixel are hardly seen
+        "scene.add(new THREE.AmbientLight(0xffffff,0.45));scene.add(gltf.scene);"
+        "gltf.scene.traverse(o=>{if(o.isMesh){o.material.metalness=0;o.material.side=2;}"
+        "if(o.isPoints){o.material.size=2;}});",
     ),
 )
 HINT = "Drag to turn, wheel to come nearer, right button to move."

@@ -1,6 +1,7 @@
 """The tables of the experiments of chapter 7 on made-up errors, and objects of our own that are in one piece."""
 
 from dataclasses import fields, replace
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,11 +12,13 @@ from experiments.brdf import page, painted, reliefs, scenes
 from experiments.brdf.scenes import Case
 from ipcli.models.brdf.grid import normals
 from ipcli.models.brdf.parameters import Inference
+from ipcli.models.brdf.surfaces import ImplicitSurface
 from ipcli.rng import stream
 
 AXIS = np.linspace(-1, 1, 12)
 HILL = 1.5 - np.hypot(*np.meshgrid(AXIS, AXIS)) ** 2
 NONE = [0.3, 0.3, 2.0, np.nan]
+own = cache(scenes.own)
 ORACLES = {"true rim": NONE, "true map, as a solid": NONE}
 ROWS = {
     "a": {"flat": [0.8, 0.8, 9.0, np.nan], "inflation": [0.2, 0.2, 4.0, np.nan], "ours": [0.1, 0.1, 1.0, 3.0]}
@@ -61,10 +64,37 @@ def test_what_was_measured_is_written(tmp_path):
 
 @pytest.mark.parametrize("name", ["boot", "moka pot", "dish", "teapot", "vase"])
 def test_objects_of_our_own_are_whole(name):
-    made = scenes.own(64)[name]
+    made = own(64)[name]
     assert label(made.mask)[1] == 1
     assert made.mask.mean() > 0.1
     assert np.isfinite(made.height[made.mask]).all()
+
+
+def test_a_further_draw_is_the_same_objects_in_other_light_summed_up_by_itself(monkeypatch):
+    hill = ImplicitSurface(HILL > 0, HILL, normals(HILL, HILL > 0), False, "hill")
+    monkeypatch.setattr(scenes, "own", lambda side: {"hill": hill, "mound": hill})
+    light = np.random.default_rng(0).uniform(size=(6, 9, 9, 3))
+    shelf = SimpleNamespace(charts=light, material=np.zeros(6, int), materials=("tin",))
+    first, again = (list(page.synthetic(shelf, np.array([True]), True, draws)) for draws in (1, 2))
+    assert [case.kind for case in again] == ["Metals", "Metals", "Metals, draw 2", "Metals, draw 2"]
+    assert len({case.name for case in again}) == 4
+    np.testing.assert_array_equal(again[0].colour, first[0].colour)
+    assert np.abs(again[2].colour - first[0].colour).max() > 0.1
+
+
+@pytest.mark.parametrize(("sign", "tie", "is_told"), [(-1, 0.0, True), (-1, 0.5, False), (1, 0.0, False)])
+def test_the_sign_is_told_of_what_is_hollow_where_the_picture_ties(monkeypatch, sign, tie, is_told):
+    asked = []
+
+    def made(colour, mask, shelf, params):
+        asked.append(params.relief)
+        return SimpleNamespace(height=HILL, prior=HILL, solid_height=HILL, sheet_height=HILL, tie=tie)
+
+    monkeypatch.setattr(page, "reconstruct", made)
+    case = Case("", "", np.ones((12, 12, 3)), HILL > 0, normals(sign * HILL, HILL > 0), sign * HILL)
+    found = page.measured(case, None, Inference(), ("ours",))
+    assert asked == ["convex", "concave"][: 1 + is_told]
+    assert "sign told where it ties" in found
 
 
 @pytest.mark.parametrize("paint", painted.PAINTS)
@@ -84,8 +114,18 @@ def test_a_bowl_is_the_cast_of_its_dome_and_either_is_on_the_right_side_of_itsel
     assert reliefs.right_side(dome.height, bowl) == 0
 
 
+def test_hollow_things_are_whole_and_mostly_hollow_and_the_handle_of_the_spoon_bulges():
+    made = {one.name: one for one in reliefs.hollow()}
+    assert all(label(one.mask)[1] == 1 for one in made.values())
+    hollow = {name: reliefs.right_side(-np.nan_to_num(page.grid.inflate(one.mask)), one) for name, one in made.items()}
+    assert hollow["dish"] > 0.95
+    assert hollow["bowl"] > 0.95
+    assert 0.6 < hollow["spoon"] < 0.95
+
+
 def test_relief_under_light_from_above_is_told_and_written(tmp_path):
-    found = [reliefs.Told("dome", "above", 0.9, 1.0, True), reliefs.Told("bowl", "side", 0.2, 0.0, False)]
+    dome = reliefs.Told(reliefs.CASTS, "dome", "above", 0.9, 1.0, True)
+    found = [dome, reliefs.Told(reliefs.HOLLOW, "bowl", "side", 0.2, 0.0, False)]
     page.write_reliefs(tmp_path, found)
     assert len((tmp_path / "reliefs.csv").read_text().splitlines()) == 3
     assert "90 %" in (tmp_path / "index.html").read_text(encoding="utf-8")

@@ -63,6 +63,8 @@ def test_a_real_browser_draws_the_surface_from_the_first_view(tmp_path):
     picture = cv2.imread(str(tmp_path / "a.png")).astype(int)
     red = (picture[..., 2] > 120) & (picture[..., 1] < 90) & (picture[..., 0] < 90)
     assert 0.02 < red.mean() < 0.6
+    as_given = np.abs(np.median(picture[red], axis=0)[::-1] - RED[0]) <= 8
+    assert as_given.all()  # neither burnt out nor dark where it faces the viewer
     rows = np.flatnonzero(red.any(axis=1))
     wide = red.sum(axis=1)
     assert wide[rows[-5]] > wide[rows[5]]  # the triangle stands on its base
