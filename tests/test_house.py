@@ -109,7 +109,6 @@ WITHOUT_MIRROR = {
     "ipcli.models.gaze.retrieval",
     "ipcli.models.gaze.scene_map",
     "ipcli.models.gaze.surface",
-    "ipcli.report.gaze.gaze_experiment",
     "ipcli.report.gaze.sides",
     "ipcli.stages.gaze.check",
     "ipcli.stages.gaze.exports",
