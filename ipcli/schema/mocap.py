@@ -239,7 +239,7 @@ BEHAVIOURS = Kind(
 
 RECOGNITION = Kind(
     "action-recognition",
-    2,
+    3,
     "The actions that queries (clips, some of their frames in no order, or windows along them) were recognised as.",
     (
         Field("queries", "str", (), "", "What was asked about", choices=("clip", "unordered", "window")),
@@ -257,13 +257,7 @@ RECOGNITION = Kind(
             "Posterior of each action, as if one of them it must be",
             domain=WEIGHT,
         ),
-        Field(
-            "group_posterior",
-            "float64",
-            ("q", "g"),
-            "1",
-            "Posterior of the answer by each group alone; NaN without frames",
-        ),
+        Field("group_posterior", "float64", ("q", "g"), "1", "Posterior of the answer by each group; NaN: no frames"),
         Field(
             "novelty",
             "float64",
@@ -273,6 +267,7 @@ RECOGNITION = Kind(
         ),
         Field("threshold", "float64", (), "1", "Novelty above which the answer is `none`; infinite: never"),
         Field("truth", "str", ("q",), "", "Label of each query; empty where unknown", optional=True),
+        Field("actors", "str", ("q",), "", "Whom each query is of; empty where unknown", optional=True),
         Field(
             "segment_clip",
             "str",
@@ -293,22 +288,22 @@ RECOGNITION = Kind(
             refers=Ref("actions", also=("none",)),
         ),
         Field(
-            "segment_posterior", "float64", ("s",), "1", "Mean posterior of the answer", optional=True, domain=WEIGHT
-        ),
-        Field(
-            "truth_segment_clip",
+            "segment_best",
             "str",
-            ("t",),
+            ("s",),
             "",
-            "Clip of each segment of one label",
+            "The likeliest of the actions, whether it is the answer or that is `none`",
             optional=True,
-            refers=Ref("clips"),
+            refers=Ref("actions"),
         ),
+        Field("segment_posterior", "float64", ("s",), "1", "Its mean posterior", optional=True, domain=WEIGHT),
+        Field("segment_novelty", "float64", ("s",), "1", "Mean novelty of the windows", optional=True),
+        Field("truth_segment_clip", "str", ("t",), "", "Clip of each labelled run", optional=True, refers=Ref("clips")),
         Field("truth_segment_time", "float64", ("t", 2), "s", "Its start and end", optional=True, domain=FINITE),
         Field("truth_segment_answer", "str", ("t",), "", "Its label", optional=True),
     ),
     together=(
-        ("segment_clip", "segment_time", "segment_answer", "segment_posterior"),
+        ("segment_clip", "segment_time", "segment_answer", "segment_best", "segment_posterior", "segment_novelty"),
         ("truth_segment_clip", "truth_segment_time", "truth_segment_answer"),
     ),
 )

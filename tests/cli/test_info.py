@@ -71,3 +71,40 @@ def test_a_ply_shows_its_counts(tmp_path, capsys):
 def test_other_files_are_refused(tmp_path, capsys, name, message):
     assert main(["info", str(tmp_path / name)]) == 1
     assert message in capsys.readouterr().err
+
+
+def kicks(count):
+    """Clips of one frame and one joint: three bows, then kicks; nobody knows who moves in the first two."""
+    return {
+        "clips": np.array([f"a{n}" for n in range(count)]),
+        "labels": np.array(["bow"] * 3 + ["kick"] * (count - 3)),
+        "actors": np.array([""] * 2 + ["ann"] * (count - 2)),
+        "frames": np.ones(count, np.int64),
+        "rates": np.full(count, 30.0),
+        "joints": np.array(["hips"]),
+        "parents": np.array([-1]),
+        "positions": np.zeros((count, 1, 3), np.float32),
+        "frame_labels": np.full(count, ""),
+    }
+
+
+def test_texts_are_told_by_their_values(tmp_path, capsys):
+    clips = kicks(7)
+    h5.write(tmp_path / "c.h5", "clips", clips, {})
+    assert main(["info", str(tmp_path / "c.h5")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "  labels: bow 3, kick 4" in lines
+    assert "  actors: '' 2, ann 5" in lines
+    assert "  clips: a0, a1, a2, a3, a4, a5, a6" in lines
+    assert not any(line.startswith("  frame_labels:") for line in lines)
+
+
+def test_of_many_names_the_first_are_told(tmp_path, capsys):
+    h5.write(tmp_path / "c.h5", "clips", kicks(25), {})
+    assert main(["info", str(tmp_path / "c.h5")]) == 0
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("  clips: a0"))
+    assert line.endswith("a18, a19 and 5 more")
+    assert main(["info", "--json", str(tmp_path / "c.h5")]) == 0
+    texts = json.loads(capsys.readouterr().out)["texts"]
+    assert (texts["clips"]["distinct"], len(texts["clips"]["values"])) == (25, 20)
+    assert texts["labels"] == {"distinct": 2, "values": {"bow": 3, "kick": 22}}

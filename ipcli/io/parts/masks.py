@@ -42,6 +42,15 @@ def read(path: Path, names: Sequence[str] = (), which: int = 0) -> Masks:
     return readers[path.suffix.lower()]()
 
 
+def object_told(path: Path, which: int = 0) -> str:
+    """Which of the objects of a PASCAL-Part file `which` is, in words; empty for other masks. Raises FormatError."""
+    if path.suffix.lower() != ".mat":
+        return ""
+    classes = pascal.objects(path)
+    others = f" (the file holds {pascal.counted(classes)}; object = NUMBER picks another)" if len(classes) > 1 else ""
+    return f" of object {which}, a {classes[which]}{others}"
+
+
 def read_index(path: Path, names: Sequence[str]) -> Masks:
     """A PNG, grey or with a palette, whose values are indices: 0 background, 1 the first of `names`."""
     indices = _indices(path)

@@ -28,7 +28,7 @@ points = [[52, 31, 60, 28]]     # column and row in the first, column and row in
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,6 +40,7 @@ from ipcli.geometry.orthographic import NAMED, by_angles
 from ipcli.inputs import read_toml
 from ipcli.io.files import images
 from ipcli.io.parts import masks
+from ipcli.io.parts.pascal import REST
 from ipcli.measurements.part_images import NONE, PartImage, PartMatches, PartTree
 
 TOP = {"name": str, "size": (int, float), "parts": dict, "flatness": dict, "images": list, "matches": list}
@@ -134,8 +135,9 @@ def _image(path: Path, entry: Mapping[str, Any], tree: PartTree, number: int) ->
     source = path.parent / entry["masks"]
     if not source.exists():
         raise FormatError(source, "no such file or folder", fix=f"It is the masks of image {number} in {path.name}")
-    read_masks = masks.read(source, tuple(map(str, entry.get("labels", tree.names))), entry.get("object", 0))
-    labels = _renamed(path, source, read_masks, entry.get("rename", {}), tree)
+    which = entry.get("object", 0)
+    read_masks = masks.read(source, tuple(map(str, entry.get("labels", tree.names))), which)
+    labels = _renamed(path, source, read_masks, entry.get("rename", {}), tree, which)
     picture, shown = _picture(path, entry, labels.shape)
     aspects = _aspects(path, where, entry.get("aspects"), tree)
     name = entry.get("name", source.stem)
@@ -157,7 +159,9 @@ def _view(path: Path, where: str, given: str | list | None) -> str | None:
     return given
 
 
-def _renamed(path: Path, source: Path, found: masks.Masks, rename: Mapping[str, Any], tree: PartTree) -> np.ndarray:
+def _renamed(
+    path: Path, source: Path, found: masks.Masks, rename: Mapping[str, Any], tree: PartTree, which: int
+) -> np.ndarray:
     """Labels of a file as numbers of the tree's parts."""
     table = np.zeros(len(found.names) + 1, np.int16)
     present = set(np.unique(found.labels).tolist())
@@ -171,17 +175,20 @@ def _renamed(path: Path, source: Path, found: masks.Masks, rename: Mapping[str, 
     if unknown:
         known = nearest(str(next(iter(unknown.values()))), tree.names) if len(unknown) == 1 else ""
         what = ", ".join(f"'{part}'" for part in unknown.values())
-        table_of = ", ".join(f'"{name}" = "PART"' for name in unknown)
-        raise FormatError(
-            source,
-            f"unknown part{'s' if len(unknown) > 1 else ''} {what}{known}",
-            fix=f'Add to [parts], or say rename = {{ {table_of} }} in {path.name}; "" drops one'
-            + ("; 'rest' is what no part of the object covers" if "rest" in unknown else ""),
-        )
+        said = f"unknown part{'s' if len(unknown) > 1 else ''} {what}{masks.object_told(source, which)}{known}"
+        raise FormatError(source, said, fix=_naming(path, list(unknown), tree))
     labels = table[found.labels]
     if not labels.any():
         raise FormatError(source, "shows no part", expected=", ".join(tree.names))
     return labels
+
+
+def _naming(path: Path, unknown: Sequence[str], tree: PartTree) -> str:
+    """How to name parts that the project does not know."""
+    root = tree.names[tree.parents.index(NONE)]
+    table = ", ".join(f'"{name}" = "{root if name == REST else "PART"}"' for name in unknown)
+    rest = f"; '{REST}' is what no part of the object covers, mostly {root}" if REST in unknown else ""
+    return f'Add to [parts], or say rename = {{ {table} }} in {path.name}; "" drops one{rest}'
 
 
 def _picture(path: Path, entry: Mapping[str, Any], shape: tuple[int, int]) -> tuple[np.ndarray | None, list[Path]]:

@@ -12,6 +12,7 @@ from ipcli.measurements.recording import Frame, Gaze, HeadRecording
 from ipcli.models.gaze import gric, regard
 from ipcli.models.gaze.localise import Path
 from ipcli.models.gaze.parameters import Keyframes, Looking
+from ipcli.models.gaze.scene_map import NONE
 from ipcli.models.gaze.sparse_surface import sparse_surface
 from ipcli.models.gaze.surface import Matcher, Surface
 from ipcli.models.gaze.tracking import NEIGHBOURS, Track
@@ -165,14 +166,14 @@ def subsequences(
 
 def _turns(path: Path, k: int, current: _Open, pixels, regards, out: Subsequences, tau, sigma, p: Keyframes) -> bool:
     """Fill the curves of frame k, and say whether a new subsequence begins with it."""
-    key, track = path.tracks[current.key], path.tracks[k]
-    _, a, b = np.intersect1d(key.ids, track.ids, return_indices=True)
-    found = gric.motion(key.left[a], track.left[b], p.sigma)
+    before, now = _seen(path, path.tracks[current.key]), _seen(path, path.tracks[k])
+    _, a, b = np.intersect1d(before[0], now[0], return_indices=True)
+    found = gric.motion(before[1][a], now[1][b], p.sigma)
     out.score_f[k], out.score_h[k] = found.score_f, found.score_h
     out.matches[k], out.flow[k] = found.matches, found.flow
     out.changes[k] = gric.change(found, current.gaze, pixels[k], p.rule)
     if current.regards and np.isfinite(regards[k]).all():
-        centre = lie.se3_inverse(track.pose)[:3, 3]
+        centre = lie.se3_inverse(path.tracks[k].pose)[:3, 3]
         before, now = np.median(current.regards, axis=0) - centre, regards[k] - centre
         angle = np.arctan2(np.linalg.norm(np.cross(before, now)), before @ now)
         out.parted[k] = angle / sigma
@@ -182,6 +183,15 @@ def _turns(path: Path, k: int, current: _Open, pixels, regards, out: Subsequence
     current.changed.append(changed)
     late = k - current.key >= p.longest and found.flow > tau and not np.isfinite(out.parted[k])
     return gric.wants_keyframe(current.changed, late, p)
+
+
+def _seen(path: Path, track: Track) -> tuple[np.ndarray, np.ndarray]:
+    """Map points (m,) that a frame sees, and where (m, 2): of the first frame, which rests on none, those it began."""
+    if track.how != "first" or track.position == NONE:
+        return track.ids, track.left
+    frame = path.scene.frames[track.position]
+    hit = np.flatnonzero(frame.ids != NONE)
+    return frame.ids[hit], frame.features.left[hit]
 
 
 def gaze_of_frames(path: Path, recording: HeadRecording, regards: Regards | None) -> tuple[np.ndarray, np.ndarray]:

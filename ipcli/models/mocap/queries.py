@@ -111,18 +111,27 @@ def recognise(
         plain = is_known | ((told.frames < PART) & (told.frames > 0))
         is_known = np.where(np.isfinite(novelty), novelty <= threshold, plain)
     is_known &= told.posterior.max(axis=1) >= (refuse.least if refuse.is_allowed else 0.0)
-    return {
-        "clips": np.array([known.clips[index].name for index in queries.clip], np.str_),
-        "frames": told.frames.astype(np.int64),
-        "times": queries.times,
-        "actions": np.array(model.actions, np.str_),
-        "groups": np.array(model.groups, np.str_),
-        "posterior": told.posterior,
-        "novelty": novelty,
-        "answers": np.array([*model.actions, NONE], np.str_)[np.where(is_known, told.action, recognition.NONE)],
-        "threshold": np.array(threshold, np.float64),
-        "group_posterior": group_shares(density, queries, told),
-    } | query_labels(known, queries)
+    return (
+        {
+            "clips": np.array([known.clips[index].name for index in queries.clip], np.str_),
+            "frames": told.frames.astype(np.int64),
+            "times": queries.times,
+            "actions": np.array(model.actions, np.str_),
+            "groups": np.array(model.groups, np.str_),
+            "posterior": told.posterior,
+            "novelty": novelty,
+            "answers": np.array([*model.actions, NONE], np.str_)[np.where(is_known, told.action, recognition.NONE)],
+            "threshold": np.array(threshold, np.float64),
+            "group_posterior": group_shares(density, queries, told),
+        }
+        | query_labels(known, queries)
+        | _people(known, queries)
+    )
+
+
+def _people(known: Motions, queries: Queries) -> dict[str, np.ndarray]:
+    """Whom each query is of, if that is known of any."""
+    return {"actors": known.actors[queries.clip]} if known.actors.astype(bool).any() else {}
 
 
 def group_shares(density: np.ndarray, queries: Queries, told: Answer) -> np.ndarray:
@@ -151,13 +160,12 @@ def query_labels(known: Motions, queries: Queries) -> dict[str, np.ndarray]:
 
 
 def segments(known: Motions, arrays: Mapping[str, np.ndarray], queries: Queries) -> dict[str, np.ndarray]:
-    """Join windows of one answer in a row to segments; they meet half-way between the middles of the windows.
+    """Join windows of one answer in a row to segments; they meet half-way between the middles of the windows. Of the
+    windows of a segment the means of the posteriors and of the novelty count.
 
     `arrays` as `recognise` gives them of windows.
     """
-    best = arrays["posterior"].max(axis=1)
-    shares = np.where(arrays["answers"] == NONE, 1 - best, best)
-    clips, times, names, means = [], [], [], []
+    clips, times, names, means, strange = [], [], [], [], []
     for index, clip in enumerate(known.clips):
         mine = np.flatnonzero(queries.clip == index)
         middle = queries.times[mine].mean(axis=1)
@@ -167,12 +175,16 @@ def segments(known: Motions, arrays: Mapping[str, np.ndarray], queries: Queries)
             clips.append(clip.name)
             times.append(edges[[first, last]])
             names.append(str(arrays["answers"][mine[first]]))
-            means.append(float(shares[mine[first:last]].mean()))
+            means.append(arrays["posterior"][mine[first:last]].mean(axis=0))
+            strange.append(arrays["novelty"][mine[first:last]].mean())
+    posterior = np.stack(means)
     return {
         "segment_clip": np.array(clips, np.str_),
         "segment_time": np.array(times),
         "segment_answer": np.array(names, np.str_),
-        "segment_posterior": np.array(means),
+        "segment_best": arrays["actions"][posterior.argmax(axis=1)],
+        "segment_posterior": posterior.max(axis=1),
+        "segment_novelty": np.array(strange, np.float64),
     } | label_segments(known)
 
 

@@ -13,7 +13,7 @@ from ipcli.report.gaze.panorama import panorama, with_regards
 from ipcli.report.gaze.sides import from_above, from_the_side
 from ipcli.report.kit import pictures
 from ipcli.report.kit.curves import Series, plot
-from ipcli.report.kit.numbers import number, percent, with_unit
+from ipcli.report.kit.numbers import DASH, counted, number, percent, with_unit
 from ipcli.report.kit.page import TURNED, Markup, element, figure, gallery, join, notice, section, table
 from ipcli.report.kit.page import page as document
 from ipcli.report.kit.pictures import photograph
@@ -29,7 +29,7 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     a = arrays
     parts = [notice(str(text)) for text in a["notes"]]
     parts += [_sides(a), *_accuracy(a), *_areas(a), *_landmarks(a), _frames(a, widest), _panorama(a, widest)]
-    parts += [_curves(a), _subsequences(a), _tracking(a), _calibration(a), *_lost(a), _reading(a), origin(provenance)]
+    parts += [*_curves(a), _subsequences(a), _tracking(a), _calibration(a), *_lost(a), _reading(a), origin(provenance)]
     title = "Where the wearer was, and what they looked at" if _has_gaze(a) else "Where the wearer was"
     return document(title, "ipcli gaze-sfm", _verdict(a), *parts)
 
@@ -41,7 +41,8 @@ def _has_gaze(a: Mapping[str, np.ndarray]) -> bool:
 def _verdict(a: Mapping[str, np.ndarray]) -> str:
     count, lost = len(a["lost"]), int(a["lost"].sum())
     words = f"{count - lost} of {count} head poses over {with_unit(float(a['times'][-1] - a['times'][0]), 's')}, "
-    words += f"a map of {len(a['map/points'])} points, {len(a['subsequences/frames'])} coherent subsequences."
+    split = counted(len(a["subsequences/frames"]), "coherent subsequence")
+    words += f"a map of {len(a['map/points'])} points, {split}."
     length, farthest = path_extent(a["world_from_rig"])
     words += f" The path is {with_unit(length, 'm')} long and gets {with_unit(farthest, 'm')} away from its start."
     if _has_gaze(a):
@@ -147,8 +148,10 @@ def _panorama(a: Mapping[str, np.ndarray], widest: int) -> Markup:
     return section("Panorama", figure(photograph(panorama(a), widest), "All around", ""), lead=lead)
 
 
-def _curves(a: Mapping[str, np.ndarray]) -> Markup:
-    """Figure 3.6: both scores and their difference; the difference and delta; keyframes as dashed lines."""
+def _curves(a: Mapping[str, np.ndarray]) -> list[Markup]:
+    """Figure 3.6: both scores and their difference; the difference and delta; keyframes as dashed lines. Nothing of
+    what is known of no frame.
+    """
     frame = np.arange(len(a["times"]), dtype=float)
     difference = a["gric_f"] - a["gric_h"]
     scores = [
@@ -160,15 +163,19 @@ def _curves(a: Mapping[str, np.ndarray]) -> Markup:
     if _has_gaze(a):
         turns.insert(0, Series("gaze from the subsequence's PORs, σ", frame, a["parted"]))
     shown = [
-        plot([*scores, _keys(a, scores)], "Motion models", "frame", "score"),
-        plot([*turns, _keys(a, turns)], "Change of gaze", "frame", "see the legend", from_zero=True),
+        plot([*lines, _keys(a, lines)], title, "frame", label, from_zero=from_zero)
+        for lines, title, label, from_zero in (
+            (scores, "Motion models", "score", False),
+            (turns, "Change of gaze" if _has_gaze(a) else "Change of the view", "see the legend", True),
+        )
+        if any(np.isfinite(line.y).any() for line in lines)
     ]
     lead = (
         "The lower score explains the motion since the last keyframe better: a homography (H) when the head turned, "
         "a fundamental matrix (F) when it moved. Dashed: keyframes, where attention turned elsewhere (figure 3.6)"
         f"{'' if _has_gaze(a) else '; the middle of the picture stands for the gaze'}."
     )
-    return section("Keyframes", element("div", *shown, class_="plots"), lead=lead)
+    return [section("Keyframes", element("div", *shown, class_="plots"), lead=lead)] if shown else []
 
 
 def _keys(a: Mapping[str, np.ndarray], series: list[Series]) -> Series:
@@ -181,42 +188,47 @@ def _keys(a: Mapping[str, np.ndarray], series: list[Series]) -> Series:
 
 
 def _subsequences(a: Mapping[str, np.ndarray]) -> Markup:
+    head = ["subsequence", "frames", "seconds"]
+    head += ["points of regard", "median place x, y, z, m", "extent, m"] if _has_gaze(a) else []
     rows = []
     for n, ((first, stop), regards, point, extent) in enumerate(
         zip(*(a[f"subsequences/{name}"] for name in ("frames", "regards", "points", "extent")), strict=True)
     ):
         seconds = float(a["times"][stop - 1] - a["times"][first])
-        place = ", ".join(number(float(value)) for value in point) if np.isfinite(point).all() else "–"
-        rows.append([f"{n}", f"{first}–{stop - 1}", number(seconds), f"{regards}", place, number(float(extent))])
+        place = ", ".join(number(float(value)) for value in point) if np.isfinite(point).all() else DASH
+        cells = [f"{n}", f"{first}–{stop - 1}", number(seconds), f"{regards}", place, number(float(extent))]
+        rows.append(cells[: len(head)])
     rest = [notice(f"{len(rows) - ROWS} more subsequences are in the artefact.")] if len(rows) > ROWS else []
-    head = ["subsequence", "frames", "seconds", "points of regard", "median place x, y, z, m", "extent, m"]
-    return section(
-        "Coherent subsequences", table(head, rows[:ROWS]), *rest, lead="Runs of frames with one focus of attention."
-    )
+    what = "one focus of attention" if _has_gaze(a) else "much the same before the head"
+    return section("Coherent subsequences", table(head, rows[:ROWS]), *rest, lead=f"Runs of frames with {what}.")
 
 
 def _tracking(a: Mapping[str, np.ndarray]) -> Markup:
-    frame = np.arange(len(a["times"]), dtype=float)
+    frame, begins = np.arange(len(a["times"]), dtype=float), a["how"] == "first"
+    matched, error = (np.where(begins, np.nan, a[name]) for name in ("matched", "error"))  # it rests on no map
     shown = [
         plot(
-            [Series("between the cameras", frame, a["stereo"]), Series("with the map", frame, a["matched"])],
+            [Series("between the cameras", frame, a["stereo"]), Series("with the map", frame, matched)],
             "Matches", "frame", "points", from_zero=True,
         ),
-        plot([Series("error", frame, a["error"])], "Reprojection error", "frame", "px", from_zero=True),
+        plot([Series("error", frame, error)], "Reprojection error", "frame", "px", from_zero=True),
     ]  # fmt: skip
     return section("Tracking", element("div", *shown, class_="plots"), lead="What each head pose rests on.")
 
 
 def _calibration(a: Mapping[str, np.ndarray]) -> Markup:
-    blocks = ", ".join(number(float(value)) for value in a["offset_blocks"]) or "–"
+    parts, vertical = a["offset_blocks"], a["vertical"][np.isfinite(a["vertical"])]
+    told = {
+        "offset of the right camera, whole sequence": [float(a["offset_estimate"])],
+        "in contiguous parts": parts[np.isfinite(parts)].tolist(),
+        "standard error of their mean": [float(a["offset_error"])],
+        "applied": [float(a["offset"])],
+        "vertical disparity, median": [float(np.median(vertical))] if len(vertical) else [],
+    }
     rows = [
-        ["offset of the right camera, whole sequence", with_unit(float(a["offset_estimate"]), "px")],
-        ["in contiguous parts", f"{blocks} px"],
-        ["standard error of their mean", with_unit(float(a["offset_error"]), "px")],
-        ["applied", with_unit(float(a["offset"]), "px")],
-        ["vertical disparity, median", with_unit(float(np.nanmedian(a["vertical"])), "px")]
-        if np.isfinite(a["vertical"]).any()
-        else ["vertical disparity", "–"],
+        [name, ", ".join(map(number, values)) + "\N{NO-BREAK SPACE}px"]
+        for name, values in told.items()
+        if len(values) and np.isfinite(values).all()
     ]
     lead = "A constant error of the disparities, as the sequence itself shows it; corrected only where it is certain."
     return section("Calibration", table(["", ""], rows), lead=lead)

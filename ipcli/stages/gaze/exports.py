@@ -128,12 +128,15 @@ def write_turnable(title: str, path: Path, a: Mapping[str, np.ndarray], provenan
     grey = np.repeat(a["map/grey"][chosen, None], 3, axis=1)
     known = np.isfinite(a["world_from_rig"]).all(axis=(1, 2))
     parts = [(points[chosen], grey), _painted(_dense(a["world_from_rig"][known, :3, 3]), PATH_COLOUR)]
+    legend = {"map": (128, 128, 128), "path of the head": PATH_COLOUR}
+    about = "What was seen, and from where"
     if "por/points" in a:
         parts.append(_painted(a["por/points"][a["por/outcome"] == "hit"], POR_COLOUR))
+        legend["points of regard"] = POR_COLOUR
+        about = "What was seen, from where, and what was looked at"
     places = np.concatenate([part for part, _ in parts]) @ turntable.UPRIGHT
     scene = turntable.cloud_scene(places, np.concatenate([colours for _, colours in parts]))
-    legend = {"map": (128, 128, 128), "path of the head": PATH_COLOUR, "points of regard": POR_COLOUR}
-    about = "What was seen, from where, and what was looked at; first seen from behind the first picture."
+    about += "; first seen from behind the first picture."
     start = turntable.looking_from(places, np.array([0.0, 0.35, 1.0]))
     atomic.write_text(path, turntable.turning_page(scene, title, about, legend, from_camera=start))
 

@@ -29,6 +29,9 @@ from ipcli.stages.mocap.reading import read
 
 KIND = "action-recognition"
 QUERIES = {"clip": "clips", "unordered": "queries", "window": "windows"}  # what each kind of query is called
+SEGMENT = ("clip", "time", "answer", "best", "posterior", "novelty")
+HEADS = {"start": "start_s", "end": "end_s", "answer": "action"}  # columns of the table that say their unit or more
+FORMATS = {"start": ".3f", "end": ".3f", "posterior_of_best": ".4f", "novelty": ".4g"}
 log = logging.getLogger(__name__)
 
 
@@ -58,34 +61,25 @@ def run(
 
 
 def answers(output: Path) -> list[dict[str, Any]]:
-    """The answers in an artefact, ready for JSON."""
-    found = h5.read(output, KIND).arrays
+    """The answers in an artefact, ready for JSON: of the segments of windows, else of the queries."""
+    return _answers(h5.read(output, KIND).arrays)
+
+
+def _answers(found: Mapping[str, np.ndarray]) -> list[dict[str, Any]]:
+    """A row an answer, by column. `best` is the likeliest of the actions, also where the answer is none."""
     if "segment_clip" in found:
-        return _segments(found)
-    columns = ("clips", "answers", "novelty", "frames")
-    labels = found.get("truth", np.full(len(found["clips"]), "")).tolist()
-    best = found["actions"][found["posterior"].argmax(axis=1)].tolist()
-    rows = zip(
-        *(found[name].tolist() for name in columns),
-        found["posterior"].max(axis=1).tolist(),
-        found["times"].tolist(),
-        best,
-        labels,
-        strict=True,
-    )
+        clips, times, given, best, share, novelty = (found[f"segment_{name}"] for name in SEGMENT)
+        rest = {}
+    else:
+        clips, times, given, novelty = (found[name] for name in ("clips", "times", "answers", "novelty"))
+        best, share = found["actions"][found["posterior"].argmax(axis=1)], found["posterior"].max(axis=1)
+        rest = {"frames": found["frames"]}
+        rest |= {name: found[kept] for name, kept in (("actor", "actors"), ("label", "truth")) if kept in found}
+    columns = {"clip": clips, "start": times[:, 0], "end": times[:, 1], "answer": given}
+    columns |= {"best": best, "posterior_of_best": share, "novelty": novelty, **rest}
     return [
-        {
-            "clip": clip,
-            "start": times[0],
-            "end": times[1],
-            "answer": answer,
-            "best": likeliest,
-            "posterior_of_best": share,
-            "novelty": novelty,
-            "frames": frames,
-            **({"label": label} if "truth" in found else {}),
-        }
-        for clip, answer, novelty, frames, share, times, likeliest, label in rows
+        dict(zip(columns, row, strict=True))
+        for row in zip(*(column.tolist() for column in columns.values()), strict=True)
     ]
 
 
@@ -109,15 +103,6 @@ def summary(output: Path) -> dict[str, Any]:
         if mine.any():
             facts |= {what: int((answers == right)[mine].sum()), f"{what}_of": int(mine.sum())}
     return facts
-
-
-def _segments(found: Mapping[str, np.ndarray]) -> list[dict[str, Any]]:
-    """The segments of long takes, ready for JSON."""
-    names = (found[f"segment_{name}"].tolist() for name in ("clip", "time", "answer", "posterior"))
-    return [
-        {"clip": clip, "start": times[0], "end": times[1], "answer": answer, "posterior": share}
-        for clip, times, answer, share in zip(*names, strict=True)
-    ]
 
 
 def recognition_arrays(
@@ -193,20 +178,14 @@ def odd_windows(known: Motions, window: float, step: float | None) -> list[str]:
 
 
 def write_csv(path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]) -> None:
-    """Write a line for each segment, or else for each query: with `best`, the likeliest of the actions even where the
-    answer is none, its posterior, and the label where there are any.
-    """
-    text = io.StringIO()
+    """Write a line an answer, with the columns of `answers`: what is not known is empty."""
+    text, rows = io.StringIO(), _answers(arrays)
     lines = csv.writer(text, lineterminator="\n")
-    kind = "segment_" if "segment_clip" in arrays else ""
-    clips, times, names = (
-        arrays[kind + name] for name in (("clip", "time", "answer") if kind else ("clips", "times", "answers"))
-    )
-    shares = arrays["segment_posterior"] if kind else arrays["posterior"].max(axis=1)
-    best = [] if kind else arrays["actions"][arrays["posterior"].argmax(axis=1)].tolist()
-    labels = [] if kind else arrays.get("truth", np.empty(0, np.str_)).tolist()
-    told = ["best", "posterior_of_best"] if best else ["posterior"]
-    lines.writerow(["clip", "start_s", "end_s", "action", *told, *(["label"] if labels else [])])
-    for n, (clip, (start, end), name, share) in enumerate(zip(clips, times, names, shares, strict=True)):
-        lines.writerow([clip, f"{start:.3f}", f"{end:.3f}", name, *best[n : n + 1], f"{share:.4f}", *labels[n : n + 1]])
+    lines.writerow([HEADS.get(name, name) for name in rows[0]])
+    for row in rows:
+        lines.writerow([_cell(value, FORMATS.get(name, "")) for name, value in row.items()])
     atomic.write_text(path, text.getvalue())
+
+
+def _cell(value: Any, form: str) -> str:
+    return "" if value != value else format(value, form)

@@ -59,11 +59,21 @@ def test_windows_of_one_answer_are_one_segment_that_ends_half_way_to_the_next(kn
     answers = np.array(["none", *["wave"] * 3, *["kick"] * 2, *["bow"] * 3])
     posterior = np.tile([0.7, 0.2, 0.1], (9, 1))
     posterior[1:4, 0] = [0.8, 0.9, 1.0]
-    found = queries.segments(known, {"answers": answers, "posterior": posterior}, asked)
+    posterior[1:4, 1] = [0.2, 0.1, 0.0]
+    posterior[1:4, 2] = 0
+    told = {
+        "answers": answers,
+        "posterior": posterior,
+        "novelty": np.arange(9.0),
+        "actions": np.array(["wave", "kick", "bow"]),
+    }
+    found = queries.segments(known, told, asked)
     assert found["segment_clip"].tolist() == [known.clips[0].name, *["take"] * 3]
     assert found["segment_answer"].tolist() == ["none", "wave", "kick", "bow"]
     np.testing.assert_allclose(found["segment_time"], [[0, 0.8], [0, 1.75], [1.75, 2.75], [2.75, 4.5]])
-    np.testing.assert_allclose(found["segment_posterior"], [0.3, 0.9, 0.7, 0.7])
+    assert found["segment_best"].tolist() == ["wave"] * 4
+    np.testing.assert_allclose(found["segment_posterior"], [0.7, 0.9, 0.7, 0.7])  # of the likeliest, also of none
+    np.testing.assert_allclose(found["segment_novelty"], [0, 2, 4.5, 7])
     assert found["truth_segment_answer"].tolist() == ["wave", "kick", "bow"]
     np.testing.assert_allclose(found["truth_segment_time"], [[0, 1.5], [1.5, 3], [3, 4.5]])
 

@@ -108,6 +108,7 @@ def test_without_gaze_nothing_speaks_of_what_was_looked_at(folder, tmp_path, cap
     for words in ("What was looked at", "what they looked at", "points of regard (red)", "all points of regard"):
         assert words not in html
     assert "away from its start" in html
+    assert "regard" not in run.with_suffix(".turn.html").read_text()
 
 
 def test_a_second_run_is_up_to_date(made, folder, capsys):

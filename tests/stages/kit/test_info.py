@@ -59,7 +59,20 @@ def test_no_data_is_read(tmp_path):
         file["views/0/depth"][...] = -1
     with pytest.raises(FormatError):
         h5.read(tmp_path / "a.h5", "views")
-    assert info.run(tmp_path / "a.h5")["datasets"]["views/0/depth"]["shape"] == (2, 3)
+    told = info.run(tmp_path / "a.h5")
+    assert told["datasets"]["views/0/depth"]["shape"] == (2, 3)
+    assert told["texts"]["unit"] == {"distinct": 1, "values": {"m": 1}}
+
+
+def test_texts_that_break_the_schema_are_left_out_and_the_rest_is_told(tmp_path):
+    arrays = {"views/0/depth": np.ones((2, 3), np.float32), "views/0/intrinsics": np.eye(3)}
+    arrays |= {"views/0/cam_from_world": np.eye(4), "unit": np.array("m"), "measured": np.array("depth")}
+    h5.write(tmp_path / "a.h5", "views", arrays, {})
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        file["measured"][...] = "smell"
+    told = info.run(tmp_path / "a.h5")
+    assert told["texts"] == {}
+    assert told["datasets"].keys() == arrays.keys()
 
 
 @pytest.mark.parametrize(("name", "got"), [("a.csv", ".csv"), ("a", "no suffix"), ("a.h5.gz", ".gz")])

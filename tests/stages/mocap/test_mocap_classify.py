@@ -44,11 +44,23 @@ def test_answers_are_those_of_the_artefact_and_of_the_table(model, tmp_path):
     assert [answer["answer"] for answer in told] == ["kick", "wave"]
     assert [answer["posterior_of_best"] for answer in told] == found["posterior"].max(axis=1).tolist()
     lines = (tmp_path / "y.recognition.csv").read_text(encoding="utf-8").splitlines()
-    assert lines[0] == "clip,start_s,end_s,action,best,posterior_of_best,label"
+    assert lines[0] == "clip,start_s,end_s,action,best,posterior_of_best,novelty,frames,actor,label"
     expected = [
-        f"{a['clip']},0.000,0.800,{a['answer']},{a['best']},{a['posterior_of_best']:.4f},{a['label']}" for a in told
+        f"{a['clip']},0.000,0.800,{a['answer']},{a['best']},{a['posterior_of_best']:.4f},{a['novelty']:.4g},24,"
+        f"{asked[n].actor},{asked[n].label}"
+        for n, a in enumerate(told)
     ]
     assert lines[1:] == expected
+
+
+def test_what_is_not_known_is_empty_in_the_table_and_no_column_of_nothing(model, tmp_path):
+    classify(model, tmp_path, [replace(clip("kick", 3), actor="", label="")], least=1.0)
+    head, row = (tmp_path / "y.recognition.csv").read_text(encoding="utf-8").splitlines()
+    assert head.endswith(",novelty,frames")
+    told = dict(zip(head.split(","), row.split(","), strict=True))
+    assert (told["action"], told["best"]) == ("none", "kick")
+    assert float(told["posterior_of_best"]) > 0.5
+    assert mocap_classify._cell(float("nan"), ".4g") == ""
 
 
 def test_the_console_counts_answers_and_those_that_are_right(model, tmp_path):
@@ -94,6 +106,8 @@ def test_of_windows_the_table_has_the_segments(model, tmp_path):
     told = mocap_classify.answers(tmp_path / "y.recognition.h5")
     assert [one["answer"] for one in told] == found["segment_answer"].tolist()
     assert [[one["start"], one["end"]] for one in told] == found["segment_time"].tolist()
+    assert [one["best"] for one in told] == found["segment_best"].tolist()
+    assert lines[0] == "clip,start_s,end_s,action,best,posterior_of_best,novelty"
     assert len(found["answers"]) > len(found["segment_answer"])
     assert float(found["segment_time"][-1, 1]) == pytest.approx(4.5)
 
