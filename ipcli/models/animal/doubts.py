@@ -11,6 +11,9 @@ from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal.placing import OBLIQUE
 
 LEAST_LIKE = 0.7  # share of pixels with the right part, below which an image and the model do not go together
+# Of another pose's model, bent. Of the development pairs of individuals the one that did harm had .75, the one that
+# helped .80; the animal itself in another pose has .80 and more.
+LEAST_BENT = 0.77
 
 
 def doubts(
@@ -19,10 +22,13 @@ def doubts(
     tree: PartTree,
     overlaps: Sequence[float],
     face_part: np.ndarray,
+    bent_overlap: float | None = None,
 ) -> list[str]:
-    """Images that the model does not look like, declared parts that it lacks, and views whose angle nothing tells.
+    """Images that the model does not look like, declared parts that it lacks, views whose angle nothing tells, and
+    another pose that does not fit this one.
 
-    `overlaps` (k,) are shares of pixels whose part agrees, `face_part` (m,) the part of each face of the model.
+    `overlaps` (k,) are shares of pixels whose part agrees, `face_part` (m,) the part of each face of the model;
+    `bent_overlap` the overlap of the other pose's model with the images once it was bent, if one was.
     """
     found = [
         f"{image.name}: the model shows the right part in only {100 * share:.0f} % of the pixels. Check the view of "
@@ -35,6 +41,11 @@ def doubts(
         found.append(
             f"not in the model: {', '.join(lost)}. No image of the reference pose shows them, or the others leave them "
             "no room"
+        )
+    if bent_overlap is not None and bent_overlap < LEAST_BENT:
+        found.append(
+            f"the animal of the other pose, bent, covers only {100 * bent_overlap:.0f} % of the parts in the images. "
+            "If it is another individual, or a limb hides in all images, see whether --other-pose ignore is better"
         )
     searched = [image.name for image in images if image.view is None]
     named = [camera for image, camera in zip(images, cameras, strict=True) if image.view is not None]

@@ -40,7 +40,6 @@ log = logging.getLogger(__name__)
 
 Arrays = dict[str, np.ndarray]
 REGISTRATIONS = "registrations/"
-LEAST_OVERLAP = 0.6  # of a bent model with the images, below which it deserves a look
 CLIP = 8.0  # voxels beyond which fields are not kept
 
 
@@ -174,11 +173,6 @@ def components_artefact(animal: Project, aspects: Path, params: Modelling, tell:
             )
     elif others and params.other_pose == "bend":
         fields, overlap = reposed(others, shots, grid, fields, animal.tree, heights, params, portion(tell, 0.4, 1.0))
-        if overlap < LEAST_OVERLAP:
-            log.warning(
-                "%s: the other pose, bent, covers only %.0f %% of the reference pose's parts; see whether --other-pose "
-                "ignore gives a better model", animal.name, 100 * overlap,
-            )  # fmt: skip
         bent = {"bent_overlap": np.array(overlap)}
     return (
         _tree(animal)
@@ -214,7 +208,8 @@ def model_artefact(animal: Project, aspects: Path, components: Path, params: Mod
     surface, cameras = whole.scaled(surface, cameras, animal.size)
     tell(0.7, "looking at it")
     shown, pictures = _looked_at(surface, images, cameras, len(animal.tree))
-    doubtful = doubts(images, cameras, animal.tree, shown["overlaps"].tolist(), surface.face_part)
+    bent = float(arrays["bent_overlap"]) if "bent_overlap" in arrays else None
+    doubtful = doubts(images, cameras, animal.tree, shown["overlaps"].tolist(), surface.face_part, bent)
     for line in doubtful:
         log.warning("%s: %s", animal.name, line)
     bodies = {
