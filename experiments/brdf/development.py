@@ -59,7 +59,7 @@ def with_solids(data: Path) -> Iterator[Case]:
     yield from cases(data)
     for case in generated_cases(data, GENERATED):
         if not case.name.startswith("sheet"):
-            yield replace(case, kind="Generated solids")
+            yield replace(case, name=f"generated {case.name}", kind="Generated solids")
 
 
 def generated_cases(data: Path, count: int) -> Iterator[Case]:
