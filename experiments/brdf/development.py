@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import tarfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -27,7 +28,7 @@ from ipcli.models.brdf.surfaces import ImplicitSurface
 from ipcli.rng import stream
 
 MESHES = ("spot", "cow", "teapot", "rocker-arm", "suzanne", "cheburashka", "beetle", "homer", "fandisk", "tm_tube")
-SHEETS = 10
+SHEETS, GENERATED = 10, 34
 LIGHTS = ("ennis", "grace", "pisa", "uffizi", "wells")
 MATERIALS = (
     "white-paint",
@@ -51,6 +52,14 @@ def cases(data: Path, sheets: int = SHEETS, solids: int = len(MESHES)) -> Iterat
     for number, made in enumerate([*_meshes(data / "brdf/meshes/meshes.tar.xz", solids), *_sheets(sheets)]):
         rng = stream(13, "development", str(number))
         yield _seen(made, data, "sheet" if made.is_sheet else "mesh", MATERIALS[number % len(MATERIALS)], number, rng)
+
+
+def with_solids(data: Path) -> Iterator[Case]:
+    """The `cases`, and the solids among some generated ones, summed up by themselves."""
+    yield from cases(data)
+    for case in generated_cases(data, GENERATED):
+        if not case.name.startswith("sheet"):
+            yield replace(case, name=f"generated {case.name}", kind="Generated solids")
 
 
 def generated_cases(data: Path, count: int) -> Iterator[Case]:

@@ -2,6 +2,7 @@
 
 python -m experiments.brdf.page mit|diligent|synthetic|traced|painted|reliefs|development|rims|materials --library FILE
     -o FOLDER [--data FOLDER] [--quick] [--only METHOD ...] [--cases WORD] [--every N] [--draws N]
+    [--patches none]
 """
 
 from __future__ import annotations
@@ -51,13 +52,13 @@ EACH = (  # shown for each object
     "true rim",
     "sign told where it ties",
     "true map, as a solid",
-    "patches in the prior, as a solid",
+    "no patches, as a solid",
 )
 
 READERS: dict[str, Callable[[Path], Iterator[Case]]] = {
     "mit": scenes.mit,
     "diligent": scenes.diligent,
-    "development": development.cases,
+    "development": development.with_solids,
 }
 
 
@@ -130,7 +131,7 @@ def ablations(params: Inference) -> dict[str, Inference]:
         "no forces (prior normals), as a solid": without("normal"),
         "no smoothing (bending), as a solid": without("bending"),
         "convex refinement, as a solid": replace(solid_, refine="convex"),
-        "patches in the prior, as a solid": replace(solid_, use_patches="prior"),
+        "no patches, as a solid": replace(solid_, use_patches="none"),
     }
 
 
@@ -325,14 +326,15 @@ def main() -> None:
         "--every", type=int, default=1, help="one case of so many; 5: one mix of each object of diligent"
     )
     parser.add_argument("--draws", type=int, default=1, help="times that lights are drawn anew for synthetic")
+    parser.add_argument("--patches", default=Inference().use_patches, choices=("none", "prior"), help="as brdf-model")
     given = parser.parse_args()
     arrays = h5.read(given.library, "brdf-library").arrays
     if given.study == "materials":
         materials(given.output, arrays, given.quick)
         return
-    shelf = Library.of(arrays)
+    shelf, params = Library.of(arrays), replace(Inference(), use_patches=given.patches)
     if given.study == "traced":
-        traced.write(given.output, list(traced.measured(shelf, given.quick)))
+        traced.write(given.output, list(traced.measured(shelf, params, given.quick)))
         return
     if given.study == "rims":
         rims.write(given.output, rims.measured(given.data, shelf, given.quick))
@@ -343,7 +345,7 @@ def main() -> None:
     rows, groups, kinds = {}, {}, {}
     found = cases(given.study, given.data, shelf, arrays["is_metal"] > 0, given.quick, given.draws)
     for case in islice((one for one in found if given.cases in one.name), 0, None, given.every):
-        rows[case.name], groups[case.name] = measured(case, shelf, Inference(), given.only), case.group
+        rows[case.name], groups[case.name] = measured(case, shelf, params, given.only), case.group
         kinds[case.name] = case.kind
     write(given.output, given.study, rows, groups, kinds)
 

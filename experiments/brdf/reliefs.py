@@ -56,7 +56,7 @@ def told(kind: str, made: ImplicitSurface, light: str, shelf: Library) -> Told:
     rng = stream(7, "relief", f"{made.name} {light}")
     chart = shelf.charts[int(rng.choice(from_where(shelf, light)))]
     picture = generated.photograph(made, chart, rng)
-    params = replace(Inference(), rim="solid")
+    params = replace(Inference(), rim="solid", use_patches="none")  # they do not say which way it bends
     above = reconstruct(picture, made.mask, shelf, replace(params, relief="light-above"))
     convex = reconstruct(picture, made.mask, shelf, params)
     right, always = (right_side(found.height, made) for found in (above, convex))

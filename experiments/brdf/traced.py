@@ -54,7 +54,7 @@ class Traced:
     apart: float  # mean difference of the two pictures over the mean of ours, both exposed alike
 
 
-def measured(shelf: Library, quick: bool) -> Iterator[Traced]:
+def measured(shelf: Library, params: Inference, quick: bool) -> Iterator[Traced]:
     """Every object in every material of the sample's list, each under a studio light of its own."""
     listed = lists.read(LIST)
     side, samples = (QUICK_SIDE, QUICK_SAMPLES) if quick else (SIDE, SAMPLES)
@@ -65,20 +65,25 @@ def measured(shelf: Library, quick: bool) -> Iterator[Traced]:
             image = equirectangular(key_and_fill(rng).radiance)
             seen = trace(mesh, lists.brdf(entry), image, side, samples)[made.mask]
             chart = np.maximum(charts(lists.brdf(entry), [probe(image)])[0], 0)
-            told = compared(made, shade(chart, made.normals[made.mask]), seen, shelf, rng)
+            told = compared(made, shade(chart, made.normals[made.mask]), seen, shelf, params, rng)
             kind = "Metals" if lists.is_metal(entry) else "Plastics"
             yield Traced(f"{name} {material}", kind, *told)
 
 
 def compared(
-    made: ImplicitSurface, own: np.ndarray, traced: np.ndarray, shelf: Library, rng: np.random.Generator
+    made: ImplicitSurface,
+    own: np.ndarray,
+    traced: np.ndarray,
+    shelf: Library,
+    params: Inference,
+    rng: np.random.Generator,
 ) -> tuple[float, float, float, float]:
     """The figures of `Traced` from the radiance (n, 3) at the mask by either renderer."""
     pictures = [generated.exposed(seen, made.mask, rng) for seen in (own, traced)]
     rows, columns = (np.flatnonzero(made.mask.any(axis=axis)) for axis in (1, 0))
     box = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     mask, normals = made.mask[box], made.normals[box]
-    heights = [inflate(mask), *(reconstruct(p[box], mask, shelf, Inference()).height for p in pictures)]
+    heights = [inflate(mask), *(reconstruct(p[box], mask, shelf, params).height for p in pictures)]
     errors = [evaluation.errors(height, mask, normals, None)[0] for height in heights]
     ours, other = (picture[made.mask] for picture in pictures)
     return errors[0], errors[1], errors[2], float(np.abs(ours - other).mean() / ours.mean())

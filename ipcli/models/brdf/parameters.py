@@ -86,7 +86,15 @@ class Patches:
     each: int = option(150, "Patches taken of each.", low=10)
     side: int = option(5, "Side of a patch on the grid of inference, odd.", low=3, high=15, unit="px")
     components: int = option(6, "Principal components of its brightness.", low=1)
-    balloon: float = option(6.0, "Concentration of the normals of the prior shape that they are joined with.", low=0.0)
+    balloon: float = option(
+        17.0, "Concentration of the prior shape's normal that a patch is joined with, over n_z squared.", low=0.0
+    )
+    most: float = option(
+        18.0, "Concentration of the surest patch: more than that the map, an estimate, does not allow.", low=1e-6
+    )
+    temperature: float = option(
+        0.1, "Energy, in least energies, that a surface loses before its weight falls by e.", low=1e-6
+    )
 
 
 @dataclass(frozen=True)
@@ -153,7 +161,7 @@ class Inference:
         choices=("none", "convex"),
     )
     use_patches: str = option(
-        "none",
+        "prior",
         "What small patches say of a solid's normals once its map is known: none, or prior, where they join the prior.",
         flag="--patches",
         choices=("none", "prior"),

@@ -19,7 +19,6 @@ from ipcli.models.brdf.solid import Pictured
 from ipcli.rng import stream
 
 NOISE = 0.01
-SUREST = 0.99  # longest mean of normals; a longer one would silence the prior
 
 
 def posterior(picture: Pictured, reflectance: Map, albedo: np.ndarray, params: Patches) -> tree.PatchPosterior:
@@ -37,13 +36,17 @@ def posterior(picture: Pictured, reflectance: Map, albedo: np.ndarray, params: P
     return tree.PatchPosterior(n, length, evidence)
 
 
-def joined(prior: np.ndarray, said: tree.PatchPosterior, concentration: float) -> np.ndarray:
+def joined(prior: np.ndarray, said: tree.PatchPosterior, params: Patches) -> np.ndarray:
     """Normals (c, 3) of the product of two von Mises-Fisher densities: that about the prior's, and that of the
     patches.
+
+    A balloon errs least where it faces the viewer. Patches are as sure as their posterior's mean is long, r, and as the
+    map allows: 1 / kappa = (1 - r^2) / (r (3 - r^2)) + 1 / most, the first as Banerjee et al. have it (JMLR 2005).
     """
-    r = np.minimum(said.concentration, SUREST)
-    sure = r * (3 - r * r) / (1 - r * r)  # Banerjee et al., JMLR 2005
-    total = concentration * prior + sure[:, None] * said.normals
+    r = np.minimum(said.concentration, 1.0)
+    told = r * (3 - r * r)
+    sure = told / (1 - r * r + told / params.most)
+    total = params.balloon * prior[:, 2:] ** 2 * prior + sure[:, None] * said.normals
     return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
 
 

@@ -21,7 +21,7 @@ from ipcli.models.brdf.refine import forward_normals, refine
 from ipcli.models.brdf.reflectance import Chart, Harmonics, chart_normals
 from ipcli.models.brdf.rim import features
 from ipcli.models.brdf.sheet import Explained, representatives, sheet
-from ipcli.models.brdf.solid import Pictured, Shape, enlarge, fit_harmonics, pictured, shrink, solid
+from ipcli.models.brdf.solid import Pictured, Shape, averaged, enlarge, fit_harmonics, pictured, shrink, solid
 from ipcli.progress import Progress, silent
 
 UP = 2  # harmonic whose sign tells light from above
@@ -117,11 +117,14 @@ def _solid(picture: _Sizes, params: Inference) -> tuple[Shape, float]:
 
 
 def _with_patches(picture: Pictured, params: Inference, shape: Shape) -> Shape:
-    """The solid once more, with what patches say under the map that was found joined to the prior normals."""
+    """The solid once more, with what patches say under the map that was found joined to the prior normals; the mean of
+    both, for where patches contradict the picture the energy rises.
+    """
     prior = _sign(shape) * picture.inflated
     said = patches.posterior(picture, shape.reflectance, shape.albedo, params.patches)
-    joined = patches.joined(cell_normals(picture.grid, prior), said, params.patches.balloon)
-    return solid(picture, params.solid, prior, shape.height, joined)
+    joined = patches.joined(cell_normals(picture.grid, prior), said, params.patches)
+    again = solid(picture, params.solid, prior, shape.height, joined, shape.omega)
+    return averaged((shape, again), params.patches.temperature)
 
 
 def _refined(picture: _Sizes, params: Inference, shape: Shape) -> Shape:

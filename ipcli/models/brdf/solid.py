@@ -7,6 +7,7 @@ The prior shape is the inflated silhouette. In turn, the reflectance map is fitt
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -88,16 +89,16 @@ def solid(
     prior: np.ndarray | None = None,
     start: np.ndarray | None = None,
     prior_normals: np.ndarray | None = None,
+    omega: float = 0.0,
 ) -> Shape:
     """The surface of a solid. `prior` (n,) replaces the balloon, `start` (n,) where the steps begin, `prior_normals`
-    (c, 3) the normals of the prior.
+    (c, 3) the normals of the prior, `omega` the weight of the shading that else follows from the first fit.
     """
     prior = picture.inflated if prior is None else prior
     height = prior if start is None else start
     labels = colours(picture, params.albedos)
     n0 = cell_normals(picture.grid, prior) if prior_normals is None else prior_normals
     problem = ShadedProblem(picture.grid, picture.intensity, prior, n0, params.weights)
-    omega = 0.0
     for turn in range(params.rounds + 1):
         n = cell_normals(picture.grid, height)
         flat, albedo = without_albedo(picture.intensity, n, labels, params.ridge)
@@ -112,6 +113,14 @@ def solid(
     return Shape(
         height, reflectance, omega, residual, energy(problem, reflectance, omega, height), albedo, bool(prior.sum() < 0)
     )
+
+
+def averaged(shapes: Sequence[Shape], temperature: float) -> Shape:
+    """The likeliest of some shapes at the mean of their heights, weighed by exp(-(E - E_min) / (temperature E_min))."""
+    energies = np.array([shape.energy for shape in shapes])
+    weight = np.exp(-(energies / max(energies.min(), 1e-12) - 1) / temperature)
+    height = (weight[:, None] * np.stack([shape.height for shape in shapes])).sum(axis=0) / weight.sum()
+    return replace(shapes[int(weight.argmax())], height=height)
 
 
 def without_albedo(

@@ -39,6 +39,13 @@ def test_given_the_map_patches_of_a_ball_know_more_than_that_it_faces_the_viewer
 def test_what_is_sure_outweighs_the_prior_and_what_is_not_leaves_it():
     prior = np.tile([0.0, 0.0, 1.0], (2, 1))
     said = tree.PatchPosterior(np.tile([1.0, 0.0, 0.0], (2, 1)), np.array([0.0, 0.98]), np.zeros(2))
-    both = patches.joined(prior, said, 6.0)
+    both = patches.joined(prior, said, Patches(balloon=2.0))
     np.testing.assert_allclose(both[0], prior[0])
     assert both[1, 0] > 0.98
+
+
+def test_the_map_bounds_what_patches_weigh_and_a_steep_prior_weighs_less():
+    prior = np.array([[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]])
+    said = tree.PatchPosterior(np.tile([1.0, 0.0, 0.0], (2, 1)), np.ones(2), np.zeros(2))
+    both = patches.joined(prior, said, Patches(balloon=10.0, most=5.0))
+    np.testing.assert_allclose(both[:, 0] / (both * prior).sum(axis=1), [5 / 10, 5 / (10 * 0.64)])

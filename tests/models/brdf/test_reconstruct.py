@@ -8,7 +8,7 @@ import pytest
 from ipcli.models.brdf import evaluation, grid, surfaces
 from ipcli.models.brdf.library import Library
 from ipcli.models.brdf.material import STATISTICS, Classifier
-from ipcli.models.brdf.parameters import Inference
+from ipcli.models.brdf.parameters import Inference, Patches
 from ipcli.models.brdf.reconstruct import baselines, reconstruct
 from ipcli.models.brdf.reflectance import Harmonics, chart_normals
 from ipcli.models.brdf.rim import FEATURES, Judge
@@ -46,7 +46,7 @@ def error(height, scene):
     return evaluation.normal_error(grid.normals(np.nan_to_num(height), scene[1]), scene[2], evaluation.inside(scene[1]))
 
 
-QUICK = Inference(side=40, sweep_side=24)
+QUICK = Inference(side=40, sweep_side=24, use_patches="none")
 
 
 def test_an_undecided_judge_gives_both_answers_and_their_mean(scene):
@@ -64,6 +64,16 @@ def test_a_solid_beats_its_balloon_and_needs_no_maps(scene):
     assert error(made.height, scene) < 0.85 * error(baselines(scene[1])["inflation"], scene)
     assert np.isnan(made.probe_posterior(shelf())).all()
     np.testing.assert_allclose(made.material_posterior(shelf()), [0.25, 0.75])
+
+
+def test_patches_move_a_solid_and_it_still_beats_its_balloon(scene):
+    asked = replace(QUICK, rim="solid", patches=Patches(surfaces=8, each=60))
+    alone, told = (
+        reconstruct(scene[0], scene[1], shelf(), replace(asked, use_patches=use)) for use in ("none", "prior")
+    )
+    assert np.nanmax(np.abs(told.height - alone.height)) > 0.1
+    assert error(told.height, scene) < 0.8 * error(baselines(scene[1])["inflation"], scene)
+    assert np.isfinite(told.height[scene[1]]).all()
 
 
 def test_one_picture_does_not_tell_convex_from_concave_and_says_so(scene):

@@ -1,5 +1,7 @@
 """Solids from their own picture: light is found, the surface beats the balloon, sizes and colours do not matter."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -70,6 +72,21 @@ def test_a_mirrored_picture_gives_the_mirrored_surface():
     assert (
         np.percentile(difference, 95) < 0.35
     )  # of 60 px: factorisations differ in their order, and so do step lengths
+
+
+def test_surfaces_are_weighed_by_their_energies():
+    made = potato(60)
+    shape = modelled(picture_of(made), made)[1]
+    other = replace(shape, height=shape.height + 1, energy=1.1 * shape.energy)
+    mean = solid.averaged((other, shape), 0.1)
+    np.testing.assert_allclose(mean.height - shape.height, 1 / (1 + np.e))
+    assert mean.energy == shape.energy
+
+
+def test_a_weight_of_the_shading_that_is_given_is_kept():
+    made = potato(60)
+    small = solid.pictured(picture_of(made), made.mask, 40)
+    assert solid.solid(small, parameters.Solid(), omega=0.25).omega == 0.25
 
 
 def test_two_colours_of_paint_are_told_from_shading():
