@@ -62,6 +62,17 @@ HELD_OUT = ("held_out_", "held_out_pose_")
 def _held_out(prefix: str, many: str, what: str) -> tuple[Field, ...]:
     """What the models of the folds say of clips held out of them, which "none of these" is calibrated on."""
     of = f"of {what} to the model of its fold"
+    told: tuple[tuple[str, tuple[int | str, ...], str], ...] = (
+        ("log_posterior", (many, "a"), f"Mean log posterior of frames {of}"),
+        ("density", (many, "a", "g"), f"Mean log density a dimension {of}; NaN not seen"),
+        ("evidence", (many, "a", "g"), f"Mean log posterior by each group {of}; NaN not seen"),
+        ("course", (many, 3, "a", "g"), f"The same of each third {of}; NaN not seen, or not in order"),
+        (
+            "scores",
+            (many, 6),
+            f"Novelty scores {of}: density, groups, actions, motion, course of motion and of the body; NaN not told",
+        ),
+    )
     return (
         Field(f"{prefix}action", "int64", (many,), "1", f"Action of {what}", optional=True, refers=Ref("actions")),
         Field(
@@ -73,34 +84,7 @@ def _held_out(prefix: str, many: str, what: str) -> tuple[Field, ...]:
             optional=True,
             refers=Ref("fold_alpha"),
         ),
-        Field(
-            f"{prefix}log_posterior", "float64", (many, "a"), "1", f"Mean log posterior of frames {of}", optional=True
-        ),
-        Field(f"{prefix}share", "float64", (many, "a"), "1", f"Mean posterior of frames {of}", optional=True),
-        Field(
-            f"{prefix}density",
-            "float64",
-            (many, "a", "g"),
-            "1",
-            f"Mean log density a dimension {of}; NaN not seen",
-            optional=True,
-        ),
-        Field(
-            f"{prefix}evidence",
-            "float64",
-            (many, "a", "g"),
-            "1",
-            f"Mean log posterior by each group {of}; NaN not seen",
-            optional=True,
-        ),
-        Field(
-            f"{prefix}scores",
-            "float64",
-            (many, 4),
-            "1",
-            f"Novelty scores {of}: density, groups, actions, motion; NaN not told",
-            optional=True,
-        ),
+        *(Field(f"{prefix}{name}", "float64", dims, "1", doc, optional=True) for name, dims, doc in told),
     )
 
 
@@ -122,7 +106,7 @@ FOLDS = (
 
 BEHAVIOURS = Kind(
     "behaviours",
-    2,
+    3,
     "A Dirichlet process mixture for each action in each group of joints, and what is needed to recognise and to "
     "judge with them.",
     (

@@ -6,10 +6,12 @@
 
 A model knows the people that it learnt from, and one of fewer people finds everybody stranger: neither clips that were
 learnt nor clips held out of a smaller model tell how new people look to the final one. So a query is judged as the
-held-out clips were, by the model of every fold against held-out clips of the other folds. Its p-value is the share of
-all held-out clips that are at least as novel as it is, each to the model that had not learnt its person: CV+ of Barber,
-Candes, Ramdas and Tibshirani 2021 ("Predictive inference with the jackknife+"), cross-conformal prediction of Vovk
-2015.
+held-out clips were, by the model of every fold against held-out clips of the other folds. Its p-value by one fold is
+the share of the clips held out of it that are at least as novel: CV+ of Barber, Candes, Ramdas and Tibshirani 2021
+("Predictive inference with the jackknife+"), cross-conformal prediction of Vovk 2015. Both take the mean of the folds'
+p-values, which is seldom small where the folds do not quite agree: far less would be lost than may be. Of the means of
+powers of p-values (Vovk and Wang 2020, "Combining p-values via averaging") that of their roots loses about what it may
+(`experiments/mocap/refusals.py`).
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from ipcli.models.mocap.parameters import Decision
 
 PREFIXES = {True: "held_out_", False: "held_out_pose_"}  # of a calibration's arrays: of recordings in order, of poses
 PRIOR_CLIPS = 5  # clips that the mean and spread over all actions count as, beside the clips of one
+POWER = 0.5  # of the p-values that are averaged; 1: CV+, towards 0: their geometric mean
 TAIL = 1.0  # how far, in spreads of the clips held out of a fold, beyond all of them a p-value falls to 1/e
 
 
@@ -52,7 +55,10 @@ class Standard:
     @classmethod
     def of(cls, each: np.ndarray, best: np.ndarray, actions: int) -> Standard:
         """That of clips with scores (v, SCORES), NaN left out, most like an action (v,)."""
-        centre, scale = np.nanmean(each, axis=0), np.nanstd(each, axis=0) + LEAST
+        known = np.isfinite(each)
+        told = np.maximum(known.sum(axis=0), 1)
+        centre = np.where(known, each, 0.0).sum(axis=0) / told
+        scale = np.sqrt(np.where(known, (each - centre) ** 2, 0.0).sum(axis=0) / told) + LEAST
         units = np.nan_to_num((each - centre) / scale)
         count = np.bincount(best, minlength=actions)[:, None] + PRIOR_CLIPS
         mean = _sums(units, best, actions) / count
@@ -121,14 +127,22 @@ class Reference:
 
     def novelty(self, asked: Sequence[Measured]) -> np.ndarray:
         """-log10 of the p-value (q,) of queries, by what the model of each fold says of them; NaN without frames."""
+        return cross_conformal(*self.compared(asked))
+
+    def compared(
+        self, asked: Sequence[Measured], chosen: Sequence[str] = SCORES
+    ) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        """One number of the chosen scores, by each fold: of the clips held out of it, and of queries (q,)."""
+        is_chosen = np.isin(SCORES, chosen)
+        held_out, best = np.where(is_chosen, self.scores, np.nan), self.held_out.best
         known, found = [], []
         for fold, one in enumerate(asked):
-            mine, best = self.fold == fold, self.held_out.best
-            standard = Standard.of(self.scores[~mine], best[~mine], len(self.held_out.log_posterior[0]))
+            mine = self.fold == fold
+            standard = Standard.of(held_out[~mine], best[~mine], len(self.held_out.log_posterior[0]))
             each = scores(self.groups, self.held_out.of(~mine), self.action[~mine], one)
-            known.append(standard.combined(self.scores[mine], best[mine]))
-            found.append(standard.combined(each, one.best))
-        return cross_conformal(known, found)
+            known.append(standard.combined(held_out[mine], best[mine]))
+            found.append(standard.combined(np.where(is_chosen, each, np.nan), one.best))
+        return known, found
 
     def is_comparable(self, asked: Measured) -> np.ndarray:
         """Whether each query (q,) shows all groups that the held-out clips do."""
@@ -136,23 +150,25 @@ class Reference:
         return np.isfinite(asked.density[:, :, shown]).all(axis=(1, 2))
 
 
-def cross_conformal(known: Sequence[np.ndarray], asked: Sequence[np.ndarray]) -> np.ndarray:
-    """-log10 of the share (q,) of held-out clips that are at least as novel as each query.
+def cross_conformal(known: Sequence[np.ndarray], asked: Sequence[np.ndarray], power: float = POWER) -> np.ndarray:
+    """-log10 of the p-value (q,) of queries, the mean of a power of those by each fold.
 
     `known`: of each fold the novelty (v,) of the clips held out of it; `asked`: that of the queries (q,) under the same
-    model, NaN where it does not tell. Between two clips the share is interpolated, and beyond the last it falls
-    exponentially, so that what is more novel than all of them has an order too.
+    model, NaN where it does not tell. A fold counts by its clips. Between two clips the share of those at least as
+    novel is interpolated, and beyond the last it falls exponentially, so that what is more novel than all of them has
+    an order too.
     """
-    above, count = np.full(len(asked[0]), -np.inf), np.zeros(len(asked[0]))
+    total, count = np.full(len(asked[0]), -np.inf), np.zeros(len(asked[0]))
     for held_out, one in zip(known, asked, strict=True):
         order, told = np.sort(held_out[np.isfinite(held_out)]), np.isfinite(one)
         if len(order):
-            rank = np.log(len(order) - np.arange(len(order)) - 0.5)
+            rank = np.log((len(order) - np.arange(len(order)) - 0.5) / len(order))
             beyond = np.maximum(one[told] - order[-1], 0.0) / (TAIL * (order.std() + LEAST))
-            above[told] = np.logaddexp(above[told], np.interp(one[told], order, rank) - beyond)
+            p_value = np.interp(one[told], order, rank) - beyond  # log
+            total[told] = np.logaddexp(total[told], power * p_value + np.log(len(order)))
             count[told] += len(order)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(count > 0, (np.log(count) - above) / np.log(10), np.nan)
+        return np.where(count > 0, (np.log(count) - total) / (power * np.log(10)), np.nan)
 
 
 def threshold(decision: Decision) -> float:

@@ -1,12 +1,12 @@
-"""How unlike the action it is named a query is: four scores, by what a model of other people says of it and of others.
+"""How unlike the action it is named a query is: six scores, by what a model of other people says of it and of others.
 
     each = scores(groups, held_out, action, measure(model, density, query, queries, decision))   # (q, SCORES)
 
 The posterior tells only which action is the likeliest *if it is one of them*, and a density only how usual a pose is.
 What tells best is the whole row of answers: a clip of an action that was learnt is unsure between the same others as
-other clips of that action, by the same groups. So a query is compared with held-out clips of the action that it is
-named in what all actions and groups say of it. `calibration` makes one novelty of the scores, and says above which
-the answer is none.
+other clips of that action, by the same groups, and at its beginning between others than at its end. So a query is
+compared with held-out clips of the action that it is named in what all actions and groups say of it. `calibration`
+makes one novelty of the scores, and says above which the answer is none.
 """
 
 from __future__ import annotations
@@ -20,8 +20,9 @@ from ipcli.models.mocap import recognition
 from ipcli.models.mocap.behaviours import Model
 from ipcli.models.mocap.parameters import BODY, MOTION, Decision
 
-MEASURED = ("log_posterior", "share", "density", "evidence")  # the fields of `Measured`
-SCORES = ("density", "groups", "actions", "motion")  # what `scores` gives, in its order
+MEASURED = ("log_posterior", "density", "evidence", "course")  # the fields of `Measured`
+SCORES = ("density", "groups", "actions", "motion", "course of motion", "course of the body")  # as `scores` gives them
+THIRDS = 3  # parts of a clip whose answers make its course
 LEAST_LOG = -30.0  # log posterior by a group below which it is as good as excluded
 SHRINKAGE = 0.2  # share of independence in the covariance of a profile within an action
 NEIGHBOURS = 2  # held-out clips of the action that a query is compared with
@@ -33,9 +34,9 @@ class Measured:
     """What a model says about q queries, each value the mean over the frames that tell it; NaN where none does."""
 
     log_posterior: np.ndarray  # (q, a)
-    share: np.ndarray  # (q, a), posterior
     density: np.ndarray  # (q, a, g), log density a dimension
     evidence: np.ndarray  # (q, a, g), log posterior by each group alone
+    course: np.ndarray  # (q, THIRDS, a, g), the same of each third of a recording in order
 
     @classmethod
     def joined(cls, parts: Sequence[Measured]) -> Measured:
@@ -60,7 +61,8 @@ class Measured:
 def measure(
     model: Model, log_density: np.ndarray, query: np.ndarray, queries: int, decision: Decision, *, ordered: bool = True
 ) -> Measured:
-    """What frames say about queries, from their log densities (f, a, g); query (f,) int, the query of each frame.
+    """What frames say about queries, from their log densities (f, a, g); query (f,) int, the query of each frame, whose
+    frames follow one another.
 
     Not `ordered`: by the poses alone, in any order.
     """
@@ -69,8 +71,19 @@ def measure(
     posterior = np.maximum(recognition.frame_posteriors(model, log_density, decision), np.log(np.finfo(float).tiny))
     sizes = np.array([project.matrix.shape[1] for project in model.projections])
     evidence = np.maximum(recognition.group_posteriors(log_density), LEAST_LOG)
-    values = (posterior, np.exp(posterior), log_density / sizes, evidence)
-    return Measured(*(_means(one, query, queries) for one in values))
+    values = (_means(one, query, queries) for one in (posterior, log_density / sizes, evidence))
+    course = np.full((queries * THIRDS, *evidence.shape[1:]), np.nan)
+    if ordered:
+        course = _means(evidence, query * THIRDS + _third(query, queries), queries * THIRDS)
+    return Measured(**dict(zip(MEASURED, (*values, course.reshape(queries, THIRDS, *course.shape[1:])), strict=True)))
+
+
+def _third(query: np.ndarray, queries: int) -> np.ndarray:
+    """Number (f,) of the third of its query that each frame is in."""
+    order, count = np.argsort(query, kind="stable"), np.bincount(query, minlength=queries)
+    place = np.empty(len(query), np.int64)
+    place[order] = np.arange(len(query)) - (np.cumsum(count) - count)[query[order]]
+    return place * THIRDS // count[query]
 
 
 def _means(values: np.ndarray, query: np.ndarray, queries: int) -> np.ndarray:
@@ -91,11 +104,20 @@ class Profiles:
     points: np.ndarray
     action: np.ndarray
 
+    @classmethod
+    def known(cls, points: np.ndarray, action: np.ndarray) -> Profiles:
+        """Those of the points that are finite."""
+        told = np.isfinite(points).all(axis=1)
+        return cls(points[told], action[told])
+
     def distance(self, points: np.ndarray, best: np.ndarray) -> np.ndarray:
         """Mahalanobis distance (q,) a dimension of points (q, d) from the mean of their action (q,), by the covariance
         within the actions, shrunk towards independence; NaN for an action of which no clip was held out.
         """
-        centre = np.full((max(self.action.max(), best.max(), 0) + 1, self.points.shape[1]), np.nan)
+        found = np.full(len(points), np.nan)
+        if not len(self.action):
+            return found
+        centre = np.full((max(self.action.max(), best.max(initial=0)) + 1, self.points.shape[1]), np.nan)
         for action in np.unique(self.action):
             centre[action] = self.points[self.action == action].mean(axis=0)
         within = self.points - centre[self.action]
@@ -104,7 +126,6 @@ class Profiles:
         shrunk = (1 - SHRINKAGE) * correlation + SHRINKAGE * np.eye(len(spread))
         offset = (points - centre[best]) / spread
         known = np.isfinite(offset).all(axis=1)
-        found = np.full(len(points), np.nan)
         solved = np.linalg.solve(shrunk, offset[known].T).T
         found[known] = np.sqrt((offset[known] * solved).sum(axis=1) / len(spread))
         return found
@@ -142,9 +163,24 @@ def scores(groups: Sequence[str], held_out: Measured, action: np.ndarray, asked:
             Profiles(by_part, action).distance(own_part, best),
             Profiles(both, action).distance(own_both, best),
             Profiles(motion, action).nearest(own_motion, best),
+            *(_course(groups, group, held_out, action, asked) for group in (MOTION, BODY)),
         ],
         axis=1,
     )
+
+
+def _course(groups: Sequence[str], group: str, held_out: Measured, action: np.ndarray, asked: Measured) -> np.ndarray:
+    """Mahalanobis distance (q,) of how far every action is behind the likeliest in each third of a clip, by one group;
+    NaN where the model has no such group, or a third does not show it.
+    """
+    best = asked.best
+    if group not in groups:
+        return np.full(len(best), np.nan)
+    points, own = (
+        gaps(one.course[..., groups.index(group)].reshape(-1, one.course.shape[2])).reshape(len(one.course), -1)
+        for one in (held_out, asked)
+    )
+    return Profiles.known(points, action).distance(own, best)
 
 
 def gaps(log_posterior: np.ndarray) -> np.ndarray:
