@@ -90,5 +90,5 @@ class Decision:
     prior_successes: float = option(1.0, "kappa of (5.12), of every group", low=0.0)
     evidence: float = option(2.0, "independent frames that a clip counts as, at most; neighbours say the same", low=1.0)
     reject: float = option(
-        0.95, "share of new people's clips that must be named rather than called none", low=0.0, high=1.0
+        0.965, "share of new people's clips that must be named rather than called none", low=0.0, high=1.0
     )

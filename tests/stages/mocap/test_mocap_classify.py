@@ -10,7 +10,7 @@ from ipcli import schema
 from ipcli.errors import NoSolution, ParameterError
 from ipcli.inverse.bayes.parameters import Mixture
 from ipcli.io.files import h5
-from ipcli.models.mocap.parameters import Learning
+from ipcli.models.mocap.parameters import Decision, Learning
 from ipcli.params import Run
 from ipcli.stages.kit.artefact import Outcome
 from ipcli.stages.mocap import mocap_classify, mocap_train
@@ -141,7 +141,7 @@ def test_a_model_without_folds_is_still_asked(model, tmp_path):
     source = write(tmp_path / "asked.clips.h5", [clip("kick", 3), clip("wave", 3)])
     mocap_classify.run(tmp_path / "alone.model.h5", [source], tmp_path / "y.h5", MocapClassify(), Run())
     found = h5.read(tmp_path / "y.h5", "action-recognition").arrays
-    assert float(found["threshold"]) == np.quantile(alone["novelty"], 0.95)
+    assert float(found["threshold"]) == np.quantile(alone["novelty"], Decision().reject)
     assert (found["posterior"].argmax(axis=1) == [1, 2]).all()
 
 
@@ -149,7 +149,7 @@ def test_a_model_without_folds_is_still_asked(model, tmp_path):
 def test_of_whole_clips_p_values_decide(model, tmp_path, asked):
     classify(model, tmp_path, [clip("kick", 3), clip("kick", 3, frames=4, repeat=1)], **asked)
     found = h5.read(tmp_path / "y.recognition.h5", "action-recognition").arrays
-    assert float(found["threshold"]) == pytest.approx(-np.log10(0.05))
+    assert float(found["threshold"]) == pytest.approx(-np.log10(1 - Decision().reject))
     assert np.isfinite(found["novelty"]).tolist() == [True, False]  # four frames are too few
     assert found["answers"][1] == "kick"
 
