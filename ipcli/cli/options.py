@@ -62,7 +62,7 @@ SEED = click.option(
     "--seed", type=click.IntRange(0), default=0, envvar="IPCLI_SEED", help="Seed of all random streams.  [default: 0]"
 )
 OVERWRITE = click.option("--overwrite", is_flag=True, help="Make the output anew, whatever is there.")
-DRY_RUN = click.option("-n", "--dry-run", is_flag=True, help="Only say what would be done.")
+DRY_RUN = click.option("-n", "--dry-run", is_flag=True, help="Look at the inputs, and only say what would be done.")
 EXECUTOR = click.option(
     "--executor",
     default="serial",

@@ -42,19 +42,25 @@ def run(
     if source.suffix.lower() in mesh.JOINED:
         files = {source.stem: source}
         beside[output.with_suffix(f".{source.stem}.ply")] = partial(write_surface, source)
-        build = partial(of_surface, source, model)
+        build, look = partial(of_surface, source, model), partial(_look, model, "surfaces", source)
     else:
         files, broken = readable(pictures_of(source))
         beside |= {output.with_suffix(f".{name}.png"): partial(write_map, name) for name in files}
-        build = partial(predicted, files, model, params, run, progress)
+        build, look = partial(predicted, files, model, params, run, progress), partial(_look, model, "pictures")
     inputs = (*files.values(), *([model] if model else []))
-    job = Job(output, KIND, "saliency-predict", params, inputs, beside | page(output, KIND))
+    job = Job(output, KIND, "saliency-predict", params, inputs, beside | page(output, KIND), look)
     outcome = make(job, build, run)
     if broken:
         left = "; ".join(f"{name}: {reason}" for name, reason in broken.items())
         total = len(files) + len(broken)
         raise IpcliError(f"{len(broken)} of {total} pictures left out of {output}: {left}. Mend or remove them")
     return outcome
+
+
+def _look(model: Path | None, subject: str, source: Path | None = None) -> None:
+    predictor_of(model, subject)
+    if source:
+        read_surface(source)
 
 
 def read_surface(source: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
