@@ -12,6 +12,7 @@ DARKEST = 0.18  # of the light that a place keeps where nobody is likely to look
 DOT = (255, 45, 45)  # RGB of a fixation
 RIM = (255, 255, 255)
 TURNS = (0, 90, 180, 270)  # degrees about the vertical
+PALETTE = "magma"  # of saliency
 SIDE = 300  # pixels of a picture of a surface
 BEHIND = 245
 
@@ -60,4 +61,13 @@ def around(points: np.ndarray, normals: np.ndarray, values: np.ndarray, scale: S
     for k in np.argsort(seen[:, 2], kind="stable"):
         if facing[k] > 0:
             cv2.circle(drawn, tuple(place[k].tolist()), radius, tuple(colours[k].tolist()), -1)
-    return drawn
+    return _closed(drawn)
+
+
+def _closed(drawn: np.ndarray) -> np.ndarray:
+    """The picture without the single pixels between points through which the background shows."""
+    import cv2
+
+    empty = (drawn == BEHIND).all(axis=2)
+    covered = cv2.morphologyEx((~empty).astype(np.uint8), cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8)) > 0
+    return np.where((covered & empty)[..., None], cv2.medianBlur(drawn, 3), drawn)
