@@ -40,7 +40,7 @@ def run(
     A method that the artefact ``tuning`` of tune-fusion has is tried at its tuned lambda too.
     """
     if params.fusion.lam is not None:
-        raise ParameterError("lambda is the automatic one or that of --tuning: leave out --lambda")
+        raise ParameterError("lambda is the automatic one or that of --tuning: leave out fusion.lam")
     tuned = read_best_lambdas(tuning) if tuning else {}
     inputs = (source, tuning) if tuning else (source,)
 

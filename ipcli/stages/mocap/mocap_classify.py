@@ -24,7 +24,7 @@ from ipcli.params import Run, resolve
 from ipcli.progress import Progress, silent
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
-from ipcli.stages.kit.summary import of_result
+from ipcli.stages.kit.summary import Figure, of_result
 from ipcli.stages.mocap.parameters import MocapClassify
 from ipcli.stages.mocap.reading import look, read
 
@@ -106,9 +106,15 @@ def summary(output: Path) -> dict[str, Any]:
         return facts
     truth, answers = found["truth"], found["answers"]
     learnt = np.isin(truth, found["actions"])
-    for what, mine, right in (("right", learnt, truth), ("none_of_labels_not_learnt", (truth != "") & ~learnt, NONE)):
+    strange = (truth != "") & ~learnt
+    for name, mine, right, whose in (
+        ("right", learnt, truth, "whose label the model learnt"),
+        ("none", strange, NONE, "whose label it never learnt"),
+    ):
         if mine.any():
-            facts |= {what: int((answers == right)[mine].sum()), f"{what}_of": int(mine.sum())}
+            count, of = int((answers == right)[mine].sum()), int(mine.sum())
+            value = {"count": count, "of": of, "share": count / of}
+            facts[name] = Figure(value, f"{count} of {of} {whose} ({count / of:.1%})")
     return facts
 
 
