@@ -29,7 +29,6 @@ from ipcli.stages.saliency.parameters import SaliencyPredict
 
 KIND = "saliency-maps"
 FEWEST = 100  # points of a surface
-LIT = 0.65  # of the brightness of a surface to be turned, which the viewer's lights make up for
 MOST_TURNED = 150_000  # triangles, or points, of a page to be turned
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 
@@ -131,7 +130,7 @@ def write_turnable(
         chosen = slice(None, None, -(-len(places) // MOST_TURNED))
         scene = turntable.cloud_scene(places[chosen].astype(np.float32), colours[chosen])
     else:
-        scene = turntable.surface_scene(places.astype(np.float32), faces, (LIT * colours).astype(np.uint8))
+        scene = turntable.surface_scene(places.astype(np.float32), faces, colours)
     about = "Bright is likely to be looked at, dark is not."
     atomic.write_text(path, turntable.turning_page(scene, title, about))
 
