@@ -9,6 +9,7 @@ import numpy as np
 from ipcli.report.kit.pictures import Scale, palette
 
 DARKEST = 0.18  # of the light that a place keeps where nobody is likely to look
+LEAST_BRIGHT = 2.0  # times chance that a place is looked at to be drawn bright: of a flat picture none is
 DOT = (255, 45, 45)  # RGB of a fixation
 RIM = (255, 255, 255)
 TURNS = (0, 90, 180, 270)  # degrees about the vertical
@@ -23,10 +24,10 @@ def items(arrays: Mapping[str, np.ndarray] | Iterable[str], collection: str) -> 
 
 
 def glow(picture: np.ndarray, saliency: np.ndarray) -> np.ndarray:
-    """A picture (h, w, 3) uint8, dimmed where its map (a, b) is low."""
+    """A picture (h, w, 3) uint8, dimmed where its map (a, b), in times chance, is low."""
     import cv2
 
-    share = saliency.astype(np.float32) / max(float(np.percentile(saliency, 99)), 1e-9)
+    share = saliency.astype(np.float32) / max(float(np.percentile(saliency, 99)), LEAST_BRIGHT)
     light = cv2.resize(np.clip(share, 0, 1) ** 0.6, picture.shape[1::-1], interpolation=cv2.INTER_LINEAR)
     return (picture * (DARKEST + (1 - DARKEST) * light)[..., None]).astype(np.uint8)
 

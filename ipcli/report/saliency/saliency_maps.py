@@ -11,7 +11,7 @@ from ipcli.report.kit.numbers import number
 from ipcli.report.kit.page import TURNED, Markup, bar, element, figure, gallery, join, notice, section
 from ipcli.report.kit.page import page as document
 from ipcli.report.kit.provenance import origin
-from ipcli.report.saliency.overlay import PALETTE, TURNS, around, glow, items
+from ipcli.report.saliency.overlay import LEAST_BRIGHT, PALETTE, TURNS, around, glow, items
 
 MOST = 40  # pictures on a page
 
@@ -31,7 +31,7 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
 
 def _picture(arrays: Mapping[str, np.ndarray], name: str, widest: int) -> Markup:
     picture, saliency = arrays[f"pictures/{name}/picture"], arrays[f"pictures/{name}/map"]
-    scale = pictures.Scale(0.0, float(f"{max(float(saliency.max()), 1.0):.2g}"), PALETTE, "times chance")
+    scale = pictures.Scale(0.0, float(f"{max(float(saliency.max()), LEAST_BRIGHT):.2g}"), PALETTE, "times chance")
     return section(
         name,
         gallery(

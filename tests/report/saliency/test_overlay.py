@@ -41,3 +41,9 @@ def test_single_pixels_between_points_are_closed_and_wider_gaps_are_not():
     assert closed[3, 3].tolist() == [40, 50, 60]
     assert (closed[0] == overlay.BEHIND).all()
     assert (closed[7:9, 7:9] == overlay.BEHIND).all()
+
+
+def test_a_map_without_a_peak_lights_nothing_up():
+    lit = overlay.glow(np.full((20, 40, 3), 200, np.uint8), np.ones((2, 4), np.float32))
+    assert lit.min() > overlay.DARKEST * 200
+    assert lit.max() < 0.8 * 200
