@@ -49,7 +49,9 @@ class Run:
 
 @dataclass(frozen=True)
 class Option:
-    """What is known of one leaf beside its type and default. `flag` None: rare, only by --set and TOML."""
+    """What is known of one leaf beside its type and default. `flag` None: rare, only by --set and TOML. `aliases`:
+    other spellings of the flag. `hidden`: no help tells of it, as another parameter of the command takes its place.
+    """
 
     help: str
     flag: str | None = None
@@ -57,6 +59,8 @@ class Option:
     low: float | None = None
     high: float | None = None
     unit: str | None = None
+    aliases: tuple[str, ...] = ()
+    hidden: bool = False
 
 
 class Leaf(NamedTuple):
@@ -77,12 +81,20 @@ def option(
     low: float | None = None,
     high: float | None = None,
     unit: str | None = None,
+    aliases: Sequence[str] = (),
 ) -> Any:
     """A dataclass field that is a parameter. Types: int, float, bool, str, tuple[int, ...], tuple[float, ...], X |
     None.
     """
-    about = Option(help, flag, tuple(choices) if choices else None, low, high, unit)
+    about = Option(help, flag, tuple(choices) if choices else None, low, high, unit, tuple(aliases))
     return dataclasses.field(default=default, metadata={"option": about})
+
+
+def section(cls: type, *, without: Sequence[str]) -> Any:
+    """A dataclass field that is a section of parameters, in which those of these names have no flag and no help: the
+    command has others in their place.
+    """
+    return dataclasses.field(default_factory=cls, metadata={"without": frozenset(without)})
 
 
 def leaves(cls: type) -> list[Leaf]:
@@ -95,7 +107,10 @@ def _leaves(defaults: Any, prefix: str) -> Iterator[Leaf]:
     for field in dataclasses.fields(defaults):
         key, value = prefix + field.name, getattr(defaults, field.name)
         if dataclasses.is_dataclass(value):
-            yield from _leaves(value, key + ".")
+            hidden = {f"{key}.{name}" for name in field.metadata.get("without", ())}
+            for leaf in _leaves(value, key + "."):
+                about = dataclasses.replace(leaf.option, flag=None, hidden=True) if leaf.key in hidden else leaf.option
+                yield leaf._replace(option=about)
         else:
             yield Leaf(key, hints[field.name], value, field.metadata["option"])
 

@@ -40,6 +40,21 @@ def test_a_section_may_have_defaults_of_its_own():
     assert params.resolve(Longer, sets=["solver.iterations=5"]).solver.iterations == 5
 
 
+@dataclass(frozen=True)
+class Several:
+    """The command takes several methods in place of the one of its section."""
+
+    methods: tuple[str, ...] = option(("acs",), "Methods.", flag="--methods", aliases=("--method",))
+    example: Example = params.section(Example, without=("method",))
+
+
+def test_a_section_may_be_without_a_flag_that_its_command_has_another_for():
+    about = {leaf.key: leaf.option for leaf in params.leaves(Several)}
+    assert (about["example.method"].flag, about["example.method"].hidden) == (None, True)
+    assert (about["example.weight"].flag, about["example.weight"].hidden) == ("--lambda", False)
+    assert params.resolve(Several, sets=["example.method=ama"]).example.method == "ama"  # known to TOML and --set
+
+
 SOURCES = ["file", "env", "set"]
 
 

@@ -3,7 +3,8 @@
     python -m benchmarks.fusion.shifts VIEWS
 
 Each frame of the sequence in its window of seven, and again of every third frame: so many times better do its
-neighbours agree with it if each takes the pose of the next view or of the last. The warning asks for SHIFT_BETTER.
+neighbours agree with it if each takes the pose of the next view or of the last. The warning asks for SHIFT_BETTER, and
+that the views next to it say so as well.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from benchmarks.kit.arguments import parser_of
 from benchmarks.kit.publish import publish
 from ipcli.measurements.names import window
 from ipcli.measurements.views import View
-from ipcli.models.fusion.checks import SHIFT_BETTER, shifted, thinned
+from ipcli.models.fusion.checks import SHIFT_BETTER, shift_warnings, shifted, thinned
 from ipcli.stages.fusion.parameters import FuseDepth
 from ipcli.stages.fusion.sources import open_source
 
@@ -33,24 +34,27 @@ def moved(views: Sequence[View]) -> list[View]:
     return [replace(a, cam_from_world=b.cam_from_world) for a, b in zip(views[:-1], views[1:], strict=True)]
 
 
-def gains(views: Sequence[View]) -> np.ndarray:
-    """How many times better the neighbours of each view agree with it by other poses, at the best; infinite and
-    undefined ones left out.
+def judged(views: Sequence[View]) -> tuple[np.ndarray, np.ndarray]:
+    """Of each view in its window: how many times better its neighbours agree with it by other poses, at the best, and
+    whether fuse-depth warns. Infinite and undefined ones are left out.
     """
     by_name, names, found = {view.name: view for view in views}, [view.name for view in views], []
     for view in views:
         near = [by_name[name] for name in window(names, view.name, AROUND)]
         tried = [now / then for then, now, _ in shifted(near, view) if np.isfinite([now, then]).all()]
-        found += [max(tried)] if tried else []
-    return np.array(found)
+        if tried:
+            found.append((max(tried), max(tried) > SHIFT_BETTER and bool(shift_warnings(near, view))))
+    gains, warned = zip(*found, strict=True)
+    return np.array(gains), np.array(warned)
 
 
 def row(views: Sequence[View], step: int) -> dict[str, Any]:
-    """Of every `step`-th view: the range of the gains as the views are, and with shifted poses."""
+    """Of every `step`-th view: the range of the gains and the share warned of, as they are and with shifted poses."""
     own = views[::step]
-    sound, wrong = gains(own), gains(moved(own))
-    told = {"every": step, "windows": len(sound), "sound, greatest": sound.max(), "shifted, least": wrong.min()}
-    return told | {"shifted, greatest": wrong.max(), "shifted, warned of": (wrong > SHIFT_BETTER).mean()}
+    (sound, alarms), (wrong, warned) = judged(own), judged(moved(own))
+    told = {"every": step, "windows": len(sound), "sound, greatest": sound.max(), "sound, warned of": alarms.mean()}
+    told |= {"shifted, least": wrong.min(), "shifted, greatest": wrong.max(), "shifted, warned of": warned.mean()}
+    return told
 
 
 def main(arguments: list[str] | None = None) -> None:

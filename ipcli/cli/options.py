@@ -62,7 +62,7 @@ SEED = click.option(
     "--seed", type=click.IntRange(0), default=0, envvar="IPCLI_SEED", help="Seed of all random streams.  [default: 0]"
 )
 OVERWRITE = click.option("--overwrite", is_flag=True, help="Make the output anew, whatever is there.")
-DRY_RUN = click.option("-n", "--dry-run", is_flag=True, help="Only say what would be done.")
+DRY_RUN = click.option("-n", "--dry-run", is_flag=True, help="Look at the inputs, and only say what would be done.")
 EXECUTOR = click.option(
     "--executor",
     default="serial",
@@ -145,7 +145,7 @@ def _flag(leaf: Leaf) -> Callable:
     if shape(leaf.type)[0] is bool:
         name = f"{flag}/--no-{flag.removeprefix('--')}"
         return click.option(name, _variable(leaf), default=None, help=_help(leaf))
-    return click.option(flag, _variable(leaf), metavar=_metavar(leaf), help=_help(leaf))
+    return click.option(flag, *leaf.option.aliases, _variable(leaf), metavar=_metavar(leaf), help=_help(leaf))
 
 
 def _metavar(leaf: Leaf) -> str:
@@ -171,7 +171,7 @@ def _shown(value: Any) -> str:
 
 def _epilog(cls: type) -> str | None:
     """The parameters that have no flag; the mark in front keeps click from joining the lines."""
-    rare = [leaf for leaf in leaves(cls) if not leaf.option.flag]
+    rare = [leaf for leaf in leaves(cls) if not leaf.option.flag and not leaf.option.hidden]
     if not rare:
         return None
     rows = [f"  {leaf.key} ({expected(leaf)}): {_help(leaf)}" for leaf in rare]

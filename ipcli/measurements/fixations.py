@@ -41,6 +41,7 @@ class FixationSet:
 
     pictures: tuple[FixatedPicture, ...] = ()
     surfaces: tuple[FixatedSurface, ...] = ()
+    notes: tuple[str, ...] = ()  # what the reader left out
 
     @property
     def names(self) -> tuple[str, ...]:

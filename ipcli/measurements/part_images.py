@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -45,7 +45,7 @@ class PartImage:
 
     `view` is a word that ipcli.geometry.orthographic.of_view knows, or None when it is not known from where the image
     was taken. Images of the reference pose fix the pose of the model; all images may give shape to the parts in
-    `aspects` (None: every part that is seen).
+    `aspects` (None: every part that is seen). `dropped`: pixels of each mask of its file that the project leaves out.
     """
 
     name: str
@@ -54,6 +54,7 @@ class PartImage:
     is_reference: bool = True
     aspects: tuple[int, ...] | None = None
     picture: np.ndarray | None = None  # (h, w, 3) uint8
+    dropped: Mapping[str, int] = field(default_factory=dict)
 
     def mask(self, part: int) -> np.ndarray:
         """Pixels (h, w) bool of a part."""
@@ -96,13 +97,15 @@ def seen_by(images: Sequence[PartImage], part: int) -> list[int]:
 
 
 LEAST_PIXELS = 60  # of a mask that tells a shape
+LEAST_DROPPED = 0.02  # of the pixels of an animal; less than that of a mask that was left out is no matter
 LEAST_HOLE = 5  # pixels; a smaller one is a flaw of the mask, and closed when it is lifted
-FEW, BLOBS, HOLE, BORDER, MISSING = (
+FEW, BLOBS, HOLE, BORDER, MISSING, DROPPED = (
     "too few pixels to tell a shape",
     "several blobs, of which only the largest gives shape",
     "a hole through which the background shows",
     "cut by the border of the image",
     "no image of the reference pose shows it",
+    "left out, so that the model has a gap there",
 )
 
 
@@ -118,7 +121,7 @@ class Oddity:
 
 def oddities(images: Sequence[PartImage], tree: PartTree) -> list[Oddity]:
     """What is odd about masks and may spoil the model: holes, several blobs, too few pixels, masks at the border of
-    their image, parts that no image of the reference pose shows.
+    their image, parts that no image of the reference pose shows, and much of the animal that is left out.
 
     Few pixels or several blobs do no harm where another image shows the part in one piece that tells its shape.
     """
@@ -146,6 +149,12 @@ def oddities(images: Sequence[PartImage], tree: PartTree) -> list[Oddity]:
             found.append(Oddity(HOLE, where, HOLE))
         if mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any():
             found.append(Oddity(BORDER, where, "touches the border of the image, so its outline may be cut"))
+    found += [
+        Oddity(DROPPED, f"{name} in {image.name}", f"{count} pixels of the animal are {DROPPED}")
+        for image in images
+        for name, count in image.dropped.items()
+        if count > LEAST_DROPPED * image.silhouette.sum()
+    ]
     known = {part for image, part in shown if image.is_reference}
     return found + [Oddity(MISSING, tree.names[p], MISSING) for p in range(len(tree)) if p not in known]
 
@@ -158,7 +167,7 @@ def told(found: Sequence[Oddity]) -> list[str]:
 def folded(found: Sequence[Oddity]) -> list[str]:
     """Those that may do harm, a line a kind with the number and the names of the masks."""
     lines = []
-    for kind in (FEW, BLOBS, HOLE, BORDER, MISSING):
+    for kind in (FEW, BLOBS, HOLE, BORDER, MISSING, DROPPED):
         same = [odd for odd in found if odd.kind == kind and not odd.is_harmless]
         if len(same) == 1:
             lines += told(same)

@@ -6,6 +6,8 @@ What the commands share is tested closer by in tests/stages/kit/test_outputs.py;
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
+from pathlib import Path
 
 import click
 import pytest
@@ -148,3 +150,22 @@ def test_a_motion_is_not_replaced_by_its_answers(made, options, capsys, tmp_path
     assert cli.main(["mocap-classify", learnt, str(take), "-o", str(tmp_path / "take.h5"), *options]) == 1
     assert "take.csv: is an input of this run" in capsys.readouterr().err
     assert take.read_bytes() == before
+
+
+def test_a_dry_run_of_sound_inputs_makes_nothing(command, case, capsys, tmp_path):
+    output = tmp_path / "out" / (case.into_folder or "x.h5")
+    assert cli.main(line(command, case, target(command, case, output), ["--dry-run"])) == 0
+    assert capsys.readouterr().out == ""
+    assert contents([tmp_path]) == {}
+
+
+def test_a_dry_run_refuses_at_once_what_the_run_would(command, case, capsys, tmp_path):
+    """A file of another kind, or an empty folder, in place of each input in turn."""
+    output = tmp_path / "out" / (case.into_folder or "x.h5")
+    for word in (word for word in case.words if Path(word).exists()):
+        wrong = tmp_path / f"wrong{Path(word).suffix}"
+        wrong.mkdir() if Path(word).is_dir() else wrong.write_bytes(b"x")
+        words = tuple(str(wrong) if word == other else other for other in case.words)
+        other = replace(case, words=words, inputs=(wrong,))
+        refused(command, other, target(command, case, output), ["--dry-run"], capsys)
+        wrong.rmdir() if wrong.is_dir() else wrong.unlink()

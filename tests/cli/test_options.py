@@ -2,6 +2,7 @@
 
 import io
 import json
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 from ipcli.cli import options
-from ipcli.params import Run
+from ipcli.params import Run, option, section
 
 
 class Terminal(io.StringIO):
@@ -151,3 +152,25 @@ def test_a_figure_is_text_on_the_console_and_a_number_in_json(capsys):
     assert capsys.readouterr().out == "x.h5\nobserved: 25 % of the pixels\n"
     options.conclude(facts, Run(json=True), with_figures=True)
     assert json.loads(capsys.readouterr().out) == {"output": "x.h5", "observed": 0.25}
+
+
+@dataclass(frozen=True)
+class OneOfThem:
+    method: str = option("a", "One method.", flag="--method")
+
+
+@dataclass(frozen=True)
+class SomeOfThem:
+    methods: tuple[str, ...] = option(("a",), "Some methods.", flag="--methods", aliases=("--method",))
+    section: OneOfThem = section(OneOfThem, without=("method",))
+
+
+@pytest.mark.parametrize("flag", ["--methods", "--method"])
+def test_a_flag_may_be_spelt_in_two_ways_and_stand_for_one_of_a_section(flag):
+    @click.command()
+    @options.parameters(SomeOfThem)
+    def command(params):
+        return params
+
+    assert command.main([flag, "b,c"], standalone_mode=False) == SomeOfThem(("b", "c"))
+    assert "One method" not in f"{command.get_help(click.Context(command))}{command.callback.epilog}"

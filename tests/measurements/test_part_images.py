@@ -23,6 +23,14 @@ def test_odd_masks_are_told_of():
         assert words in found
 
 
+def test_much_of_an_animal_that_is_left_out_is_told_of():
+    labels = np.zeros((40, 40), np.int16)
+    labels[5:25, 5:25] = 1
+    tree = PartTree(("torso",), (-1,))
+    (found,) = folded(oddities([PartImage("a", labels, dropped={"rest": 90, "eye": 4})], tree))
+    assert found == "rest in a: 90 pixels of the animal are left out, so that the model has a gap there"
+
+
 def test_sound_masks_are_not():
     assert oddities([shot for shot, _ in limbs.shots(("left", "right"))], limbs.TREE) == []
 

@@ -23,17 +23,23 @@ def is_osie(path: Path) -> bool:
 
 
 def open_osie(path: Path) -> FixationSet:
-    """The set, pictures read when asked for. Points in the file count from 1. Raises FormatError."""
+    """The set, pictures read when asked for; of pictures that are not there, if not all, a note is made. Points in the
+    file count from 1. Raises FormatError.
+    """
     file = path / FILE
     records = _records(file)
-    pictures = []
+    pictures, missing = [], []
     for number, record in enumerate(records):
         name, points, observers = _picture(file, record, number)
         picture = path / PICTURES / name
-        if not picture.is_file():
-            raise FormatError(picture, "no such picture, which fixations.mat names", fix="Add it")
-        pictures.append(FixatedPicture(Path(name).stem, partial(read_image, picture), points, observers))
-    return FixationSet(pictures=tuple(pictures))
+        if picture.is_file():
+            pictures.append(FixatedPicture(Path(name).stem, partial(read_image, picture), points, observers))
+        else:
+            missing.append(picture)
+    if not pictures:
+        raise FormatError(missing[0], f"no such picture, nor any other that {FILE} names", fix="Add them")
+    note = f"{len(missing)} of {len(records)} pictures that {FILE} names are not there, and left out"
+    return FixationSet(tuple(pictures), notes=(f"{note}: {missing[0].name}, ...",) if missing else ())
 
 
 def _records(file: Path) -> np.ndarray:

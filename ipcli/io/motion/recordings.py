@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
+from ipcli.geometry.upright import Y_UP_FROM, upright
 from ipcli.inputs import warn_if_cut
 from ipcli.io.files.archive import Unpacked, is_archive, listing, unpacked
 from ipcli.io.files.text import read_text, whole
@@ -35,14 +36,6 @@ READERS: dict[str, Callable[..., Motion]] = {
     ".txt": msr.read,
 }
 UNREAD = {".fbx": "BVH", ".glb": "BVH", ".gltf": "BVH", ".c3dx": "C3D", ".mot": "TRC", ".htr": "BVH", ".v3d": "C3D"}
-UPS = {
-    "y": np.eye(3),
-    "z": np.roll(np.eye(3), 1, axis=1),
-    "x": np.roll(np.eye(3), -1, axis=1),
-    "-y": np.diag([1.0, -1.0, -1.0]),
-    "-z": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
-    "-x": np.array([[0, 1.0, 0], [-1, 0, 0], [0, 0, 1]]),
-}  # y_up_from_file by the axis that points up in it
 TABLES_ABOUT_TABLES = ("manifest.csv", tables.SKELETON)
 
 
@@ -94,8 +87,8 @@ def open_recordings(
 
     Raises FormatError for a file that is damaged or of another skeleton than the first, ParameterError for hints.
     """
-    if up not in UPS:
-        raise ParameterError(f"up axis '{up}': give {', '.join(UPS)}")
+    if up not in Y_UP_FROM:
+        raise ParameterError(f"up axis '{up}': give {', '.join(Y_UP_FROM)}")
     home = unpacked(path)
     folder, said = _level(home.folder, manifest)
     recordings = _listed(folder, path, manifest)
@@ -138,9 +131,8 @@ def _upright(motion: Motion, up: str) -> Motion:
     """The world turned by whole axes so that `up` becomes y."""
     if up == "y":
         return motion
-    turn = UPS[up]
-    rotations = None if motion.rotations is None else turn @ motion.rotations
-    return replace(motion, positions=motion.positions @ turn.T, rotations=rotations)
+    rotations = None if motion.rotations is None else Y_UP_FROM[up] @ motion.rotations
+    return replace(motion, positions=upright(motion.positions, up), rotations=rotations)
 
 
 def _sized(motion: Motion, path: Path) -> Motion:

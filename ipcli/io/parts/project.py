@@ -137,11 +137,17 @@ def _image(path: Path, entry: Mapping[str, Any], tree: PartTree, number: int) ->
         raise FormatError(source, "no such file or folder", fix=f"It is the masks of image {number} in {path.name}")
     which = entry.get("object", 0)
     read_masks = masks.read(source, tuple(map(str, entry.get("labels", tree.names))), which)
-    labels = _renamed(path, source, read_masks, entry.get("rename", {}), tree, which)
+    rename = entry.get("rename", {})
+    labels = _renamed(path, source, read_masks, rename, tree, which)
+    dropped = {
+        part: int((read_masks.labels == number).sum())
+        for number, part in enumerate(read_masks.names, start=1)
+        if rename.get(part) == ""
+    }
     picture, shown = _picture(path, entry, labels.shape)
     aspects = _aspects(path, where, entry.get("aspects"), tree)
     name = entry.get("name", source.stem)
-    image = PartImage(name, labels, view, pose == "reference", aspects, picture)
+    image = PartImage(name, labels, view, pose == "reference", aspects, picture, dropped)
     return image, [source, *shown]
 
 

@@ -92,14 +92,23 @@ def _pose_warnings(others: Sequence[View], reference: View, baseline: float) -> 
 
 
 def shift_warnings(views: Sequence[View], reference: View) -> list[str]:
-    """That the views of a sequence agree better if each has the pose of the one after it, or of the one before."""
+    """That the views of a sequence agree better if each has the pose of the one after it, or of the one before: seen
+    from the reference and, somewhat at least, from the views next to it. The pose of one view alone may just be off.
+    """
     found = [(then, now, word) for then, now, word in shifted(views, reference) if then * SHIFT_BETTER < now]
+    if not found:
+        return []
+    at = [view.name for view in views].index(reference.name)
+    around = [shifted(views, view) for view in views[max(at - 1, 0) : at + 2]]
+    found = [one for one in found if all(then < now for near in around for then, now, word in near if word == one[2])]
     if not found:
         return []
     then, now, word = min(found)
     return [
         f"neighbouring views disagree by {100 * now:.2g} % of the depth, but by {100 * then:.2g} % if each has the "
-        f"pose of the view {word} it: the names or numbers of the poses seem to be shifted against those of the images"
+        f"pose of the view {word} it: the poses seem to be shifted against the images. Look whether the first pose is "
+        "that of the first image, and mend the names or numbers of the poses; an estimated path that is off here looks "
+        "alike"
     ]
 
 

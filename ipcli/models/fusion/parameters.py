@@ -192,5 +192,5 @@ def parse_variants(text: str) -> list[Variant]:
 def select_variants(texts: Iterable[str], fusion: Fusion) -> list[Variant]:
     """The variants of several texts, each once. ParameterError for settings that name a method or algorithm besides."""
     if (fusion.method, fusion.algorithm) != (Fusion.method, Fusion.algorithm):
-        raise ParameterError("several methods are tried: name them by --methods, not by --method and --algorithm")
+        raise ParameterError("several methods are tried: name them by --methods, not by fusion.method or .algorithm")
     return list(dict.fromkeys(variant for text in texts for variant in parse_variants(text)))

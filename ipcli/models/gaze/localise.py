@@ -92,7 +92,7 @@ def _tracked(recording: HeadRecording, tracker: Tracker, tell: Progress, look: L
         online[k] = track.pose
         if look:
             look(k, frame, found, track)
-        tell((k + 1) / count, f"frame {recording.names[k]}: {track.how}")
+        tell((k + 1) / count, f"frame {k + 1} of {count}{' lost' if track.is_lost else ''}")
     return Path(rig, tracker.tracks, tracker.scene, online, None, False)
 
 

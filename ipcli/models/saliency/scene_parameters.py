@@ -67,8 +67,8 @@ class SceneSaliency:
         unit="m",
     )  # fmt: skip
     domain: str = option(
-        "limited", "Where proto-objects may arise: anywhere, or in the task domain of (F3) where the learnt "
-        "function is above its threshold.", flag="--domain",
+        "limited", "Where proto-objects may arise: limited, where the learnt function is above its threshold, the task "
+        "domain of (F3); free, anywhere.", flag="--domain",
         choices=("limited", "free"),
     )  # fmt: skip
     objects: int = option(3, "Most proto-objects of a subsequence.", flag="--objects", low=1)

@@ -138,7 +138,7 @@ def _notices(fused: PicturedMap) -> list[Markup]:
     large = f"the map is large: pictures, curves and errors are of one in {fused.step} rows and columns."
     low = [str(name) for name, share in zip(a["views"], a["view_overlap"], strict=True) if not share >= LITTLE_OVERLAP]
     missing = np.count_nonzero(~np.isfinite(a["depth"])) / a["depth"].size
-    found = [f"Warning: {warning}." for warning in a["warnings"].tolist()] if "warnings" in a else []
+    found = [f"{warning}." for warning in a["warnings"].tolist()] if "warnings" in a else []
     if low:
         shown = ", ".join(low[:6]) + (f" and {len(low) - 6} more" if len(low) > 6 else "")
         verb = "overlaps" if len(low) == 1 else "overlap"

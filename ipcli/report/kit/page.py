@@ -57,6 +57,7 @@ def section(title: str, *parts: Markup, lead: object = "") -> Markup:
     return element("section", element("h2", title), element("p", lead, class_="lead") if lead else "", *parts)
 
 
+WIDE = 6  # columns, beyond which a table is set closer
 TURNED = element("a", "X.turn.html", href="X.turn.html")  # the page beside this one in which a surface can be turned
 
 
@@ -130,7 +131,9 @@ def table(
     bold: Collection[tuple[int, int]] = (),
     warn: Mapping[int, str] | None = None,
 ) -> Markup:
-    """A table, names in its first column. ``bold`` cells are (row, column); ``warn`` maps marked rows to a tooltip."""
+    """A table, names in its first column; many columns are set closer. ``bold`` cells are (row, column); ``warn`` maps
+    marked rows to a tooltip.
+    """
     warn = warn or {}
     head = element("tr", *(element("th", column, scope="col") for column in columns))
     body = [
@@ -142,7 +145,8 @@ def table(
         )
         for row, cells in enumerate(rows)
     ]
-    return element("div", element("table", element("thead", head), element("tbody", *body)), class_="scroll")
+    whole = element("table", element("thead", head), element("tbody", *body))
+    return element("div", whole, class_="scroll dense" if len(columns) > WIDE else "scroll")
 
 
 def _cell(content: object, column: int, bold: bool) -> Markup:

@@ -46,7 +46,7 @@ th,td{padding:6px 0 6px 28px;text-align:right;border-bottom:1px solid var(--line
 th:first-child{padding-left:0;text-align:left}tbody th:first-child{white-space:normal;min-width:9em}
 thead th{color:var(--soft);font-size:13px;vertical-align:bottom;border-bottom:1px solid var(--soft)}
 td strong{font-weight:700}
-.dense th,.dense td{padding-left:15px}
+.dense th,.dense td{padding-left:15px}.dense th:first-child{padding-left:0}
 h3{margin:22px 0 0;font-size:15px;font-weight:650}
 .aside{margin-left:10px;font-size:12.5px;font-weight:600}
 .warn th,.warn td{background:var(--alarm-card)}
@@ -54,6 +54,8 @@ h3{margin:22px 0 0;font-size:15px;font-weight:650}
 .meter{display:inline-flex;align-items:center;gap:9px}
 .value{min-width:4.4em}
 .track{width:72px;height:5px;border-radius:3px;background:var(--line);overflow:hidden}
+.dense thead th{white-space:normal}
+.dense .track{width:36px}.dense .meter{gap:6px}.dense .value{min-width:3.8em}
 .track i{display:block;height:100%;background:var(--accent)}
 .beside{display:flex;flex-wrap:wrap;gap:24px 56px;align-items:flex-start;margin-top:18px}
 .beside>.scroll{margin-top:0}

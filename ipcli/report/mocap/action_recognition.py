@@ -84,6 +84,7 @@ def shares_of_time(arrays: Mapping[str, np.ndarray]) -> tuple[float, float]:
 def _takes(arrays: Mapping[str, np.ndarray]) -> Markup:
     lead = "Along time, the action that was recognised (bars; the darker, the surer)"
     lead += " and the label that it has (outlines)." if "truth_segment_clip" in arrays else "."
+    lead += " A gap: none of the actions." if (arrays["segment_answer"] == "none").any() else ""
     return section("Segments", *timelines(arrays), lead=lead)
 
 

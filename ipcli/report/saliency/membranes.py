@@ -79,7 +79,11 @@ def turnable(a: Mapping[str, np.ndarray]) -> str:
         for n in range(count)
     ]
     title = "Membranes at the strongest proto-objects"
-    lead = "Drag to turn. Each is drawn to the height of its own greatest displacement; red is up, blue down."
+    lead = (
+        "Drag to turn. Each is drawn to the height of its own greatest displacement; red is up, blue down. A membrane "
+        "is struck the harder the greater σ, the curvature or the learnt saliency of its place; z is the distance of "
+        "the place over the median of all, a the membrane's radius."
+    )
     # inside a script element only "</" ends it, and "<" is nowhere in numbers
     script = json.dumps(data, separators=(",", ":"))
     controls = (

@@ -9,9 +9,11 @@ import numpy as np
 from ipcli.report.kit.pictures import Scale, palette
 
 DARKEST = 0.18  # of the light that a place keeps where nobody is likely to look
+LEAST_BRIGHT = 2.0  # times chance that a place is looked at to be drawn bright: of a flat picture none is
 DOT = (255, 45, 45)  # RGB of a fixation
 RIM = (255, 255, 255)
 TURNS = (0, 90, 180, 270)  # degrees about the vertical
+PALETTE = "magma"  # of saliency
 SIDE = 300  # pixels of a picture of a surface
 BEHIND = 245
 
@@ -22,10 +24,10 @@ def items(arrays: Mapping[str, np.ndarray] | Iterable[str], collection: str) -> 
 
 
 def glow(picture: np.ndarray, saliency: np.ndarray) -> np.ndarray:
-    """A picture (h, w, 3) uint8, dimmed where its map (a, b) is low."""
+    """A picture (h, w, 3) uint8, dimmed where its map (a, b), in times chance, is low."""
     import cv2
 
-    share = saliency.astype(np.float32) / max(float(np.percentile(saliency, 99)), 1e-9)
+    share = saliency.astype(np.float32) / max(float(np.percentile(saliency, 99)), LEAST_BRIGHT)
     light = cv2.resize(np.clip(share, 0, 1) ** 0.6, picture.shape[1::-1], interpolation=cv2.INTER_LINEAR)
     return (picture * (DARKEST + (1 - DARKEST) * light)[..., None]).astype(np.uint8)
 
@@ -60,4 +62,13 @@ def around(points: np.ndarray, normals: np.ndarray, values: np.ndarray, scale: S
     for k in np.argsort(seen[:, 2], kind="stable"):
         if facing[k] > 0:
             cv2.circle(drawn, tuple(place[k].tolist()), radius, tuple(colours[k].tolist()), -1)
-    return drawn
+    return _closed(drawn)
+
+
+def _closed(drawn: np.ndarray) -> np.ndarray:
+    """The picture without the single pixels between points through which the background shows."""
+    import cv2
+
+    empty = (drawn == BEHIND).all(axis=2)
+    covered = cv2.morphologyEx((~empty).astype(np.uint8), cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8)) > 0
+    return np.where((covered & empty)[..., None], cv2.medianBlur(drawn, 3), drawn)

@@ -22,8 +22,12 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
     """The HTML of a `saliency` artefact, the same bytes for the same artefact."""
     a = arrays
     parts = [notice(str(text)) for text in a["notes"]]
-    parts += [_frames(a, widest), _objects(a), *_errors(a), _rankings(a), *_groups(a), _subsequences(a), _reading(a)]
+    parts += [_frames(a, widest), _objects(a), *_errors(a), *_rankings(a), *_groups(a), _subsequences(a), _reading(a)]
     return document("What is likely to be looked at", "ipcli saliency", _verdict(a), *parts, origin(provenance))
+
+
+def _has_gaze(a: Mapping[str, np.ndarray]) -> bool:
+    return bool(a["subsequences/regards"].any())
 
 
 def _verdict(a: Mapping[str, np.ndarray]) -> str:
@@ -68,11 +72,13 @@ def _frames(a: Mapping[str, np.ndarray], widest: int) -> Markup:
             figure(photograph(marked(a, n), widest), f"Frame {frame}", f"subsequence {a['pictures/subsequence'][n]}")
         )
         shown.append(figure(draw(a["pictures/maps"][n], SALIENCY, widest), f"Saliency, frame {frame}", scale=SALIENCY))
-    lead = (
-        "Points of regard in red, proto-objects in green (figure 3.15); beside each picture the saliency of its "
-        "points, hatched where no surface is known."
-    )
-    return section("What was looked at, and what was predicted", gallery(*shown, columns=4, small=True), lead=lead)
+    title, lead = "What was predicted", "Proto-objects in green"
+    if _has_gaze(a):
+        title, lead = "What was looked at, and what was predicted", "Points of regard in red, proto-objects in green"
+    lead += " (figure 3.15); beside each picture the saliency of its points, hatched where no surface is known."
+    if len(a.get("folds/rates", ())):
+        lead += " Proto-objects lie where the membranes are strongest, which need not be where the learnt function is."
+    return section(title, gallery(*shown, columns=4, small=True), lead=lead)
 
 
 def _objects(a: Mapping[str, np.ndarray]) -> Markup:
@@ -86,7 +92,10 @@ def _objects(a: Mapping[str, np.ndarray]) -> Markup:
              meter(float(a["objects/saliency"][n]), number(float(a["objects/saliency"][n]))),
              words[int(a["objects/hit"][n])]]
         )  # fmt: skip
-    head = ["place", "subsequence", "seconds", "x, y, z, m", "saliency", "looked at"]
+    head = ["place", "subsequence", "seconds", "x, y, z, m", "saliency"]
+    if _has_gaze(a):
+        head.append("looked at")
+    rows = [row[: len(head)] for row in rows]
     lead = (
         f"Patches of {number(float(a['radius']))} m around maxima of the membranes' energy. Those of one place in "
         "several subsequences bear the same number: what lasts is no false alarm."
@@ -107,8 +116,10 @@ def _errors(a: Mapping[str, np.ndarray]) -> list[Markup]:
     return [section("The learnt function", table(head, rows), lead=lead)]
 
 
-def _rankings(a: Mapping[str, np.ndarray]) -> Markup:
+def _rankings(a: Mapping[str, np.ndarray]) -> list[Markup]:
     values = a["subsequences/ranking"]
+    if not np.isfinite(values).any():
+        return []
     rows = []
     for k, name in enumerate(a["rankings"]):
         known = values[:, k][np.isfinite(values[:, k])]
@@ -118,9 +129,8 @@ def _rankings(a: Mapping[str, np.ndarray]) -> Markup:
         "How often a point that was looked at scores above one that nobody looked at, within a subsequence: 0.5 is "
         "chance, below it the opposite predicts."
     )
-    return section(
-        "What each score is worth", table(["score", "area under the curve", "subsequences"], rows), lead=lead
-    )
+    head = ["score", "area under the curve", "subsequences"]
+    return [section("What each score is worth", table(head, rows), lead=lead)]
 
 
 def _groups(a: Mapping[str, np.ndarray]) -> list[Markup]:
@@ -146,11 +156,12 @@ def _subsequences(a: Mapping[str, np.ndarray]) -> Markup:
     rows = []
     for n, (first, stop) in enumerate(a["subsequences/frames"][:ROWS]):
         rows.append(
-            [f"{n}", f"{first}–{stop - 1}", f"{a['subsequences/regards'][n]}", f"{a['subsequences/nodes'][n]}",
-             number(float(a["subsequences/error"][n])), percent(float(a["subsequences/attended"][n, 0]))]
+            [f"{n}", f"{first}–{stop - 1}", f"{a['subsequences/nodes'][n]}", number(float(a["subsequences/error"][n])),
+             f"{a['subsequences/regards'][n]}", percent(float(a["subsequences/attended"][n, 0]))]
         )  # fmt: skip
-    head = ["subsequence", "frames", "points of regard", "nodes", "residual of the surface, m", "nodes attended"]
-    return section("Surfaces", table(head, rows))
+    head = ["subsequence", "frames", "nodes", "residual of the surface, m"]
+    head += ["points of regard", "nodes attended"] if _has_gaze(a) else []
+    return section("Surfaces", table(head, [row[: len(head)] for row in rows]))
 
 
 def _reading(a: Mapping[str, np.ndarray]) -> Markup:

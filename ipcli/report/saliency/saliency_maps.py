@@ -8,10 +8,10 @@ import numpy as np
 
 from ipcli.report.kit import pictures
 from ipcli.report.kit.numbers import number
-from ipcli.report.kit.page import Markup, figure, gallery, notice, section
+from ipcli.report.kit.page import TURNED, Markup, bar, element, figure, gallery, join, notice, section
 from ipcli.report.kit.page import page as document
 from ipcli.report.kit.provenance import origin
-from ipcli.report.saliency.overlay import TURNS, around, glow, items
+from ipcli.report.saliency.overlay import LEAST_BRIGHT, PALETTE, TURNS, around, glow, items
 
 MOST = 40  # pictures on a page
 
@@ -31,7 +31,7 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, object], *, 
 
 def _picture(arrays: Mapping[str, np.ndarray], name: str, widest: int) -> Markup:
     picture, saliency = arrays[f"pictures/{name}/picture"], arrays[f"pictures/{name}/map"]
-    scale = pictures.Scale(0.0, float(f"{max(float(saliency.max()), 1.0):.2g}"), "magma", "times chance")
+    scale = pictures.Scale(0.0, float(f"{max(float(saliency.max()), LEAST_BRIGHT):.2g}"), PALETTE, "times chance")
     return section(
         name,
         gallery(
@@ -44,6 +44,11 @@ def _picture(arrays: Mapping[str, np.ndarray], name: str, widest: int) -> Markup
 
 def _surface(arrays: Mapping[str, np.ndarray], name: str) -> Markup:
     points, normals, saliency = (arrays[f"surfaces/{name}/{part}"] for part in ("points", "normals", "map"))
-    scale = pictures.from_zero([saliency], "magma", "times chance")
+    scale = pictures.from_zero([saliency], PALETTE, "times chance")
     turns = [figure(pictures.photograph(around(points, normals, saliency, scale, turn)), f"{turn}°") for turn in TURNS]
-    return section(name, gallery(*turns, columns=4), lead="From around; bright is likely to be looked at.")
+    lead = join(
+        "From around, upright (--up names the axis of the file that is); bright is likely to be looked at. The page ",
+        TURNED,
+        " shows it to be turned.",
+    )
+    return section(name, gallery(*turns, columns=4), element("div", bar(scale), class_="beside"), lead=lead)

@@ -64,14 +64,13 @@ def run(source: ObjectFiles, output: Path, params: BrdfModel, run: Run, progress
         output.with_suffix(".normals.png"): partial(write_normals, params),
     }
     beside |= page(output, "brdf-object")
-    job = Job(output, "brdf-object", "brdf-model", params, source.inputs, beside)
+    job = Job(output, "brdf-object", "brdf-model", params, source.inputs, beside, partial(opened, source, params))
     return make(job, lambda: modelled(source, params, progress), run)
 
 
 def modelled(source: ObjectFiles, params: BrdfModel, progress: Progress) -> dict[str, np.ndarray]:
     """The arrays of the `brdf-object` artefact."""
-    shelf = library_of(source.library)
-    photo = photographs.read(source.photo, source.mask, params.response)
+    shelf, photo, truth = opened(source, params)
     box = box_of(photo.mask)
     mask = photo.mask[box]
     if max(mask.shape) < SMALLEST:
@@ -79,7 +78,6 @@ def modelled(source: ObjectFiles, params: BrdfModel, progress: Progress) -> dict
         raise NoSolution(f"the object is {size} pixels long: give a picture of it with {SMALLEST} or more")
     if not photo.colour[box][mask].any():
         raise NoSolution("the object is black all over: check that --mask is white where the object is")
-    truth = read_truth(source, photo.mask.shape)  # before the work: a file of another kind is told at once
     if source.normals:
         given = photographs.read_normals(source.normals, source.convention, photo.mask.shape)[box]
         made = integrated(given, photo.colour[box], mask, shelf, params.inference)
@@ -89,6 +87,13 @@ def modelled(source: ObjectFiles, params: BrdfModel, progress: Progress) -> dict
     for doubt in doubts(arrays):
         log.warning("%s: %s", source.photo, doubt)
     return arrays | judged(arrays, truth)
+
+
+def opened(source: ObjectFiles, params: BrdfModel) -> tuple[Library, Photograph, dict[str, np.ndarray]]:
+    """Library, photograph and truth, all before the work: a file of another kind is told at once."""
+    shelf = library_of(source.library)
+    photo = photographs.read(source.photo, source.mask, params.response)
+    return shelf, photo, read_truth(source, photo.mask.shape)
 
 
 def library_of(path: Path) -> Library:

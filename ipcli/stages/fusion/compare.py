@@ -7,6 +7,7 @@ import io
 import json
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -35,8 +36,8 @@ def run(files: Sequence[Path], output: Path, params: CompareFusion, run: Run) ->
         output.with_suffix(".csv"): write_csv,
         output.with_suffix(".json"): write_json,
     }
-    job = Job(output, "fusion-comparison", "compare", params, tuple(files), beside)
-    return make(job, lambda: comparison_arrays(files), run)
+    build = partial(comparison_arrays, files)
+    return make(Job(output, "fusion-comparison", "compare", params, tuple(files), beside, look=build), build, run)
 
 
 @of_result

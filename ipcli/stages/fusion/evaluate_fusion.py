@@ -5,6 +5,7 @@ one.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from ipcli.params import Run
 from ipcli.progress import Progress, silent
 from ipcli.stages.fusion.compare import best_methods
 from ipcli.stages.fusion.parameters import EvaluateFusion
-from ipcli.stages.fusion.sources import open_scene
+from ipcli.stages.fusion.sources import open_scene, open_truth
 from ipcli.stages.fusion.tune_fusion import read_best_lambdas
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
@@ -39,14 +40,15 @@ def run(
     A method that the artefact ``tuning`` of tune-fusion has is tried at its tuned lambda too.
     """
     if params.fusion.lam is not None:
-        raise ParameterError("lambda is the automatic one or that of --tuning: leave out --lambda")
+        raise ParameterError("lambda is the automatic one or that of --tuning: leave out fusion.lam")
     tuned = read_best_lambdas(tuning) if tuning else {}
     inputs = (source, tuning) if tuning else (source,)
 
     def build() -> dict[str, np.ndarray]:
         return trial_arrays(open_scene(source, params.reference, params.domain), params, tuned, progress)
 
-    job = Job(output, "fusion-trials", "evaluate-fusion", params, inputs, page(output, "fusion-trials"))
+    look = partial(open_truth, source, params.reference)
+    job = Job(output, "fusion-trials", "evaluate-fusion", params, inputs, page(output, "fusion-trials"), look)
     return make(job, build, run)
 
 

@@ -86,7 +86,8 @@ def summary(output: Path) -> dict[str, Any]:
     if len(history):
         facts["relative_gap"] = Figure(history[-1, 3], f"{history[-1, 3]:.2g} at the end")
     if "warnings" in found:
-        facts["warnings"] = Figure(found["warnings"].tolist(), "; ".join(found["warnings"].tolist()))
+        told = found["warnings"].tolist()
+        facts["warnings"] = Figure(told, f"{len(told)}, on the page {output.with_suffix('.html').name}")
     return facts
 
 
@@ -181,10 +182,10 @@ def fused_arrays(
 ) -> dict[str, np.ndarray]:
     """The arrays of the `fused-depth` artefact of the views of these names; in tiles of that side by scratch files."""
     domain = source.measured if params.domain == "auto" else params.domain
-    inverse, warnings = domain == "disparity", list(source.notes)
+    inverse = domain == "disparity"
     on_demand = ViewsOnDemand(source, names, reference, scratch)
     views: Sequence[View] = on_demand if side else threads.each(on_demand.__getitem__, range(len(names)))
-    warnings += geometry_warnings(views, reference)
+    warnings = _told(reference.name, geometry_warnings(views, reference))
     if side:
         fused = fuse_in_tiles(
             views, reference, params.fusion, side, inverse=inverse, progress=progress, part=on_demand.part
@@ -196,13 +197,19 @@ def fused_arrays(
     if any(others) and not (table["view_overlap"][others] > LEAST_OVERLAP).any():
         raise NoSolution(no_overlap(reference.name, table, source.unit))
     progress(0.9, "writing")
-    warnings += convergence_warnings(fused.history, params.fusion.solver.tolerance)
-    for warning in warnings[len(source.notes) :]:  # the notes were said when the source was opened
-        log.warning("%s: %s", reference.name, warning)
+    warnings += _told(reference.name, convergence_warnings(fused.history, params.fusion.solver.tolerance))
+    warnings = [*source.notes, *warnings]  # the notes were said when the source was opened
     said = {"warnings": np.array(warnings)} if warnings else {}
     said |= {"tile": np.array(side)} if side else {}
     errors = error_table(fused, reference, source.baseline_focal)
     return map_arrays(fused, reference, source, domain, params.fusion) | table | errors | said
+
+
+def _told(name: str, warnings: list[str]) -> list[str]:
+    """The warnings, which it says on the console."""
+    for warning in warnings:
+        log.warning("%s: %s", name, warning)
+    return warnings
 
 
 def map_arrays(fused: Fused, reference: View, source: Views, domain: str, fusion: Fusion) -> dict[str, np.ndarray]:

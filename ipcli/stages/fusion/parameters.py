@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ipcli.models.fusion.parameters import Fusion, Merge
-from ipcli.params import option
+from ipcli.params import option, section
 
 
 @dataclass(frozen=True)
@@ -162,6 +162,7 @@ class FusionTrials:
         ("all",),
         "Each METHOD, or METHOD:ALGORITHM if its confidence is estimated; all: every one there is.",
         flag="--methods",
+        aliases=("--method",),
     )
     reference: str | None = option(None, "View to fuse into; the middle one if not given.", flag="--reference")
     domain: str = option(
@@ -170,7 +171,7 @@ class FusionTrials:
         flag="--domain",
         choices=("auto", "depth", "disparity"),
     )
-    fusion: Fusion = field(default_factory=Fusion)
+    fusion: Fusion = section(Fusion, without=("method", "algorithm", "lam"))
 
 
 @dataclass(frozen=True)

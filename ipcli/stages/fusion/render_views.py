@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -47,7 +48,7 @@ def run(
         baseline_focal = params.focal * path.baseline
         return artefact.views_arrays(views, unit="m.u.", measured="depth", baseline_focal=baseline_focal)
 
-    return make(Job(output, "views", "render-views", params, (source,)), build, run)
+    return make(Job(output, "views", "render-views", params, (source,), look=partial(mesh.read, source)), build, run)
 
 
 def camera_path(solid: Mesh, params: RenderViews) -> CameraPath:

@@ -8,7 +8,7 @@ from pathlib import Path
 from ipcli import threads
 from ipcli.errors import FormatError, ParameterError, nearest
 from ipcli.io.views import layouts
-from ipcli.measurements.views import Views
+from ipcli.measurements.views import View, Views
 from ipcli.models.fusion.scenes import Scene
 from ipcli.params import as_dict
 from ipcli.stages.fusion.parameters import ViewSource
@@ -35,22 +35,31 @@ def middle(names: tuple[str, ...]) -> str:
     return names[(len(names) - 1) // 2]
 
 
-def open_scene(path: Path, reference: str | None, domain: str) -> Scene:
-    """All views at ``path`` in memory, to be fused into one of them whose truth is known.
-
-    ``reference`` None is the middle view, ``domain`` auto the quantity that was measured. Raises FormatError if the
-    view to fuse into has no truth.
+def open_truth(path: Path, reference: str | None) -> tuple[Views, View]:
+    """The views at ``path``, and the one to fuse into: ``reference``, or None for the middle one. Raises ParameterError
+    for one that is not there, FormatError if its truth is not known.
     """
     source = layouts.open_views(path)
     name = reference or middle(source.names)
-    views = dict(zip(source.names, threads.each(source.load, source.names), strict=True))
-    if name not in views:
-        raise ParameterError(f"{path}: no view '{name}'{nearest(name, views)}")
-    truth = views[name].truth
-    if truth is None:
-        known = [other for other, view in views.items() if view.truth is not None]
+    if name not in source.names:
+        raise ParameterError(f"{path}: no view '{name}'{nearest(name, source.names)}")
+    view = source.load(name)
+    if view.truth is None:
+        known = [other for other in source.names if source.load(other).truth is not None]
         more = f" and {len(known) - MOST_NAMED} more" if len(known) > MOST_NAMED else ""
         fix = f"Give --reference {', '.join(known[:MOST_NAMED])}{more}" if known else "No view here has a truth"
         raise FormatError(path, f"the true depth of view '{name}' is not known", fix=fix)
+    return source, view
+
+
+def open_scene(path: Path, reference: str | None, domain: str) -> Scene:
+    """All views at ``path`` in memory, to be fused into one of them whose truth is known.
+
+    ``domain`` auto is the quantity that was measured. Raises what open_truth raises.
+    """
+    source, chosen = open_truth(path, reference)
+    views = dict(zip(source.names, threads.each(source.load, source.names), strict=True))
     inverse = (source.measured if domain == "auto" else domain) == "disparity"
-    return Scene(list(views.values()), views[name], truth, inverse, source.baseline_focal, source.unit)
+    view, truth = views[chosen.name], chosen.truth
+    assert truth is not None
+    return Scene(list(views.values()), view, truth, inverse, source.baseline_focal, source.unit)

@@ -17,7 +17,7 @@ from ipcli.models.fusion.scenes import best_lambdas, sweep_lambdas
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
 from ipcli.stages.fusion.parameters import TuneFusion
-from ipcli.stages.fusion.sources import open_scene
+from ipcli.stages.fusion.sources import open_scene, open_truth
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
 from ipcli.stages.kit.summary import of_result
@@ -29,7 +29,8 @@ def run(files: Sequence[Path], output: Path, params: TuneFusion, run: Run, progr
         raise ParameterError("give every lambda once, by --lambdas")
     if not any(variant.is_regularised for variant in select_variants(params.methods, params.fusion)):
         raise ParameterError("none of these methods has a lambda to tune")
-    job = Job(output, "fusion-tuning", "tune-fusion", params, tuple(files), page(output, "fusion-tuning"))
+    beside = page(output, "fusion-tuning")
+    job = Job(output, "fusion-tuning", "tune-fusion", params, tuple(files), beside, partial(_look, files, params))
     return make(job, lambda: tuning_arrays(files, params, run.executor, progress), run)
 
 
@@ -59,6 +60,11 @@ def tuning_arrays(
         "measure": np.array(params.measure),
         "best": best_lambdas(stacked["values"], columns, params.measure, lambdas),
     }
+
+
+def _look(files: Sequence[Path], params: TuneFusion) -> None:
+    for file in files:
+        open_truth(file, params.reference)
 
 
 def sweep_scene(file: str, *, params: TuneFusion) -> dict[str, np.ndarray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -28,5 +29,6 @@ def run(
         views = dense.views(recording, found, params.every, params.disparity_sigma, progress)
         return views_arrays(views, unit="m", measured="disparity", baseline_focal=dense.baseline_focal(recording))
 
-    job = Job(output, "views", "gaze-views", params, (*recording.files, experiment))
+    look = partial(h5.read, experiment, "gaze-experiment", lambda name: False)
+    job = Job(output, "views", "gaze-views", params, (*recording.files, experiment), look=look)
     return make(job, build, run)

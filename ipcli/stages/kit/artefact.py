@@ -45,7 +45,8 @@ class Outcome(Enum):
 class Job:
     """An artefact to make: where, of what kind, by which command with what parameters, from which files (or folders).
 
-    `beside` maps each side file to a writer(path, arrays, provenance); it is called with a temporary path.
+    `beside` maps each side file to a writer(path, arrays, provenance); it is called with a temporary path. `look` opens
+    what a run opens first, cheaply, and raises what it raises: a dry run calls it where the job would have to run.
     """
 
     output: Path
@@ -54,6 +55,7 @@ class Job:
     params: object
     inputs: tuple[Path, ...]
     beside: Mapping[Path, Beside] = field(default_factory=dict)
+    look: Callable[[], object] | None = None
 
     def standing(self) -> Standing:
         """What is there of it. Raises OutputRefused for a file that is not of our making."""
@@ -83,6 +85,8 @@ def make_resumable(job: Job, build: Callable[[Checkpoint], Arrays], run: params.
         if not run.dry_run:
             _tidy(job, work, standing)
         return Outcome.UP_TO_DATE
+    if run.dry_run and job.look:
+        job.look()
     log.log(logging.WARNING if run.dry_run else logging.INFO, "%s: run, since %s", job.output, reason)
     if run.dry_run:
         return Outcome.WOULD_RUN

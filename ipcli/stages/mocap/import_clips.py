@@ -34,8 +34,7 @@ def run(
         )
 
     def build() -> dict[str, np.ndarray]:
-        clips = open_source(source, params.source)
-        names, renamed = _chosen(clips, params.labels), new_names(clips.labels, params.rename)
+        clips, names, renamed = chosen(source, params)
         read = []
         for count, name in enumerate(names, start=1):
             clip = clips.load(name)
@@ -50,10 +49,19 @@ def run(
         return artefact.clips_arrays(read, {split: row[places] for split, row in clips.splits.items()}, odd)
 
     inputs = (source,) if params.source.manifest is None else (source, Path(params.source.manifest))
-    return make(Job(output, "clips", "import-clips", params, inputs), build, run)
+    job = Job(output, "clips", "import-clips", params, inputs, look=lambda: chosen(source, params))
+    return make(job, build, run)
 
 
-def _chosen(clips: Clips, labels: str | None) -> tuple[str, ...]:
+def chosen(source: Path, params: ImportClips) -> tuple[Clips, tuple[str, ...], dict[str, str]]:
+    """The clips of the source, the names of those that are wanted, and the new names of actions. Raises what open_clips
+    raises, and ParameterError for an action that is not there.
+    """
+    clips = open_source(source, params.source)
+    return clips, _labelled(clips, params.labels), new_names(clips.labels, params.rename)
+
+
+def _labelled(clips: Clips, labels: str | None) -> tuple[str, ...]:
     if labels is None:
         return clips.names
     known = tuple(dict.fromkeys(clips.labels))

@@ -6,6 +6,7 @@ import csv
 import io
 import logging
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +24,9 @@ from ipcli.params import Run, resolve
 from ipcli.progress import Progress, silent
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page
-from ipcli.stages.kit.summary import of_result
+from ipcli.stages.kit.summary import Figure, of_result
 from ipcli.stages.mocap.parameters import MocapClassify
-from ipcli.stages.mocap.reading import read
+from ipcli.stages.mocap.reading import look, read
 
 KIND = "action-recognition"
 QUERIES = {"clip": "clips", "unordered": "queries", "window": "windows"}  # what each kind of query is called
@@ -56,8 +57,14 @@ def run(
             "--window 0: a window has a length, such as 1 s. Leave the option out to ask about whole clips"
         )
     beside = page(output, KIND) | {output.with_suffix(".csv"): write_csv}
-    job = Job(output, KIND, "mocap-classify", params, (model, *paths), beside)
+    first = partial(_look, model, paths, params)
+    job = Job(output, KIND, "mocap-classify", params, (model, *paths), beside, first)
     return make(job, lambda: recognition_arrays(model, paths, params, run.seed, progress), run)
+
+
+def _look(model: Path, paths: Sequence[Path], params: MocapClassify) -> None:
+    h5.read(model, "behaviours", only=lambda name: False)
+    look(paths, params.reading.source, None, params.actors)
 
 
 def answers(output: Path) -> list[dict[str, Any]]:
@@ -99,9 +106,15 @@ def summary(output: Path) -> dict[str, Any]:
         return facts
     truth, answers = found["truth"], found["answers"]
     learnt = np.isin(truth, found["actions"])
-    for what, mine, right in (("right", learnt, truth), ("none_of_labels_not_learnt", (truth != "") & ~learnt, NONE)):
+    strange = (truth != "") & ~learnt
+    for name, mine, right, whose in (
+        ("right", learnt, truth, "whose label the model learnt"),
+        ("none", strange, NONE, "whose label it never learnt"),
+    ):
         if mine.any():
-            facts |= {what: int((answers == right)[mine].sum()), f"{what}_of": int(mine.sum())}
+            count, of = int((answers == right)[mine].sum()), int(mine.sum())
+            value = {"count": count, "of": of, "share": count / of}
+            facts[name] = Figure(value, f"{count} of {of} {whose} ({count / of:.1%})")
     return facts
 
 

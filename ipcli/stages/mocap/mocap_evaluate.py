@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from ipcli.stages.kit.checkpoint import Checkpoint
 from ipcli.stages.kit.pages import page
 from ipcli.stages.mocap.fitting import fit_cells
 from ipcli.stages.mocap.parameters import MocapEvaluate
-from ipcli.stages.mocap.reading import inputs, read
+from ipcli.stages.mocap.reading import inputs, look, read
 
 KIND = "action-evaluation"
 NOVELTY = "action-novelty"
@@ -35,7 +36,9 @@ def run(paths: Sequence[Path], output: Path, params: MocapEvaluate, run: Run, pr
     """
     files = inputs(paths, params.groups)
     kind, make = (NOVELTY, left_out_evaluation) if params.split == LEFT_OUT else (KIND, evaluation)
-    job = Job(output, kind, "mocap-evaluate", params, files, page(output, kind))
+    people = (*params.actors, *(params.test if params.split in ("subjects", LEFT_OUT) else ()))
+    first = partial(look, paths, params.reading.source, params.groups, people)
+    job = Job(output, kind, "mocap-evaluate", params, files, page(output, kind), first)
     return make_resumable(job, lambda work: make(paths, params, run, work, progress), run)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from ipcli.stages.kit.checkpoint import Checkpoint
 from ipcli.stages.kit.pages import page
 from ipcli.stages.mocap.fitting import fit_cells
 from ipcli.stages.mocap.parameters import MocapTrain
-from ipcli.stages.mocap.reading import inputs, read
+from ipcli.stages.mocap.reading import inputs, look, read
 
 
 def figures(output: Path) -> dict[str, Any]:
@@ -47,5 +48,6 @@ def run(paths: Sequence[Path], output: Path, params: MocapTrain, run: Run, progr
             known, learning, params.decision, run.seed, lambda points: fit_cells(points, learning, run, work, progress)
         )
 
-    job = Job(output, "behaviours", "mocap-train", params, files, page(output, "behaviours"))
+    first = partial(look, paths, params.reading.source, params.groups, params.actors)
+    job = Job(output, "behaviours", "mocap-train", params, files, page(output, "behaviours"), first)
     return make_resumable(job, build, run)

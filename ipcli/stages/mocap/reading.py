@@ -14,6 +14,7 @@ from ipcli.geometry.skeleton import Groups, Skeleton
 from ipcli.io.motion import groups as joint_groups
 from ipcli.io.motion.layouts import open_clips
 from ipcli.measurements.motions import Clip, Clips, onto, resample_clip
+from ipcli.measurements.names import position
 from ipcli.models.mocap import checks
 from ipcli.models.mocap.features import height
 from ipcli.models.mocap.motions import Motions
@@ -27,6 +28,18 @@ def open_source(path: Path, source: ClipSource) -> Clips:
     """Open the clips at `path`. Raises what open_clips raises."""
     hints = as_dict(source)
     return open_clips(path, **hints | {"manifest": Path(source.manifest) if source.manifest else None})
+
+
+def look(paths: Sequence[Path], source: ClipSource, groups: str | None, actors: Sequence[str]) -> None:
+    """Open the clips at `paths`, find the groups, if any are wanted, and the people, without reading a motion. Raises
+    what reading them raises there.
+    """
+    found = [open_source(path, source) for path in paths]
+    if groups is not None:
+        joint_groups.find(groups, found[0].skeleton)
+    people = list(dict.fromkeys(actor for clips in found for actor in clips.actors))
+    for name in actors:
+        position(people, name, "actor")
 
 
 def inputs(paths: Sequence[Path], groups: str) -> tuple[Path, ...]:

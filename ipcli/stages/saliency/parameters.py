@@ -27,6 +27,9 @@ class Saliency:
 class SaliencyPredict:
     """What saliency-predict takes."""
 
+    up: str = option(
+        "y", "Axis of a mesh or cloud that points up.", flag="--up", choices=("x", "y", "z", "-x", "-y", "-z")
+    )
     largest: int = option(1200, "Longer side of the pictures that the result keeps.", low=16, unit="px")
 
 

@@ -23,7 +23,7 @@ from ipcli.report.saliency.membranes import turnable
 from ipcli.report.saliency.saliency import SALIENCY
 from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page, turning_page
-from ipcli.stages.kit.summary import of_result
+from ipcli.stages.kit.summary import Figure, of_result
 from ipcli.stages.saliency.parameters import Saliency as Params
 
 KIND = "saliency"
@@ -124,5 +124,10 @@ def summary(output: Path) -> dict[str, object]:
     if "folds/rates" in a:
         facts["balanced error rate"] = round(float(np.nanmean(a["folds/rates"][:, 4])), 4)
     if np.isfinite(a["hits"]).all():
-        facts["looked at"] = f"{a['hits'][1, 0]:.0%} of proto-objects, {a['hits'][1, 1]:.0%} by chance"
+        share, chance = a["hits"][1].tolist()
+        facts["looked at"] = Figure(
+            {"share": share, "by_chance": chance}, f"{share:.0%} of proto-objects, {chance:.0%} by chance"
+        )
+    else:
+        facts["looked at"] = Figure(None, "not known, as there are no points of regard")
     return facts

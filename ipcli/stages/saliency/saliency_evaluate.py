@@ -6,6 +6,7 @@ import csv
 import io
 import logging
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -42,8 +43,14 @@ def run(
     places = tuple(paths)
     beside = {output.with_suffix(".csv"): write_csv} | page(output, KIND)
     files = (*sets.inputs(places), *([model] if model else []))
-    job = Job(output, KIND, "saliency-evaluate", params, files, beside)
+    job = Job(output, KIND, "saliency-evaluate", params, files, beside, partial(look, places, model))
     return make(job, lambda: evaluated(sets.read(places), model, params, run, progress), run)
+
+
+def look(places: tuple[Path, ...], model: Path | None) -> None:
+    """Open the sets and the model; raises what evaluating them raises there."""
+    known = sets.read(places)
+    predictor_of(model, "surfaces" if known.surfaces else "pictures")
 
 
 def evaluated(

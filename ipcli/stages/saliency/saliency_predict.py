@@ -11,21 +11,25 @@ import numpy as np
 
 from ipcli.errors import FormatError, IpcliError
 from ipcli.executor import map_items
-from ipcli.io.files import h5, images, ply
-from ipcli.io.meshes import mesh
+from ipcli.geometry.upright import upright
+from ipcli.io.files import atomic, h5, images, ply
+from ipcli.io.meshes import mesh, turntable
 from ipcli.models.saliency import image_model, vertex_model
 from ipcli.models.saliency.channels import shrunk
 from ipcli.models.saliency.learning import Predictor
 from ipcli.models.saliency.vertex_features import upright_normals
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
+from ipcli.report.kit.pictures import from_zero, palette
+from ipcli.report.saliency.overlay import PALETTE
 from ipcli.stages.kit.artefact import Beside, Job, Outcome, make
-from ipcli.stages.kit.pages import page
+from ipcli.stages.kit.pages import page, turning_page
 from ipcli.stages.kit.summary import of_result
 from ipcli.stages.saliency.parameters import SaliencyPredict
 
 KIND = "saliency-maps"
 FEWEST = 100  # points of a surface
+MOST_TURNED = 150_000  # triangles, or points, of a page to be turned
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 
 
@@ -42,19 +46,26 @@ def run(
     if source.suffix.lower() in mesh.JOINED:
         files = {source.stem: source}
         beside[output.with_suffix(f".{source.stem}.ply")] = partial(write_surface, source)
-        build = partial(of_surface, source, model)
+        beside[turning_page(output)] = partial(write_turnable, f"saliency-predict: {output.name}", source, params.up)
+        build, look = partial(of_surface, source, model, params.up), partial(_look, model, "surfaces", source)
     else:
         files, broken = readable(pictures_of(source))
         beside |= {output.with_suffix(f".{name}.png"): partial(write_map, name) for name in files}
-        build = partial(predicted, files, model, params, run, progress)
+        build, look = partial(predicted, files, model, params, run, progress), partial(_look, model, "pictures")
     inputs = (*files.values(), *([model] if model else []))
-    job = Job(output, KIND, "saliency-predict", params, inputs, beside | page(output, KIND))
+    job = Job(output, KIND, "saliency-predict", params, inputs, beside | page(output, KIND), look)
     outcome = make(job, build, run)
     if broken:
         left = "; ".join(f"{name}: {reason}" for name, reason in broken.items())
         total = len(files) + len(broken)
         raise IpcliError(f"{len(broken)} of {total} pictures left out of {output}: {left}. Mend or remove them")
     return outcome
+
+
+def _look(model: Path | None, subject: str, source: Path | None = None) -> None:
+    predictor_of(model, subject)
+    if source:
+        read_surface(source)
 
 
 def read_surface(source: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
@@ -82,9 +93,9 @@ def read_surface(source: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray | Non
     raise FormatError(source, "too few points, or some not finite", expected=f"{FEWEST} or more", got=len(vertices))
 
 
-def of_surface(source: Path, model: Path | None) -> dict[str, np.ndarray]:
-    """The arrays of the `saliency-maps` artefact of a mesh or cloud."""
-    vertices, normals, _ = read_surface(source)
+def of_surface(source: Path, model: Path | None, up: str) -> dict[str, np.ndarray]:
+    """The arrays of the `saliency-maps` artefact of a mesh or cloud, turned so that y points up and not `up`."""
+    vertices, normals = (upright(vectors, up) for vectors in read_surface(source)[:2])
     known = predictor_of(model, "surfaces")
     return {
         "model": np.array(model.name if model else f"{vertex_model.UNTRAINED}, untrained"),
@@ -105,6 +116,23 @@ def write_surface(source: Path, path: Path, arrays: Mapping[str, np.ndarray], pr
         extra={"saliency": arrays[f"surfaces/{source.stem}/map"]},
         comments=(f"ipcli saliency-predict, digest {provenance['digest']}",),
     )
+
+
+def write_turnable(
+    title: str, source: Path, up: str, path: Path, arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any]
+) -> None:
+    """A page with the surface to be turned, in the colours of its saliency; of a large one some of its points."""
+    vertices, _, faces = read_surface(source)
+    places, saliency = upright(vertices, up), arrays[f"surfaces/{source.stem}/map"]
+    scale = from_zero([saliency], PALETTE, "times chance")
+    colours = palette(PALETTE)[scale.indices(saliency[None])[0]]
+    if faces is None or len(faces) > MOST_TURNED:
+        chosen = slice(None, None, -(-len(places) // MOST_TURNED))
+        scene = turntable.cloud_scene(places[chosen].astype(np.float32), colours[chosen])
+    else:
+        scene = turntable.surface_scene(places.astype(np.float32), faces, colours)
+    about = "Bright is likely to be looked at, dark is not."
+    atomic.write_text(path, turntable.turning_page(scene, title, about))
 
 
 def pictures_of(source: Path) -> dict[str, Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,9 @@ KIND = "saliency-model"
 def run(paths: Sequence[Path], output: Path, params: SaliencyTrain, run: Run, progress: Progress = silent) -> Outcome:
     """Write the model and beside it a page (.html)."""
     places = tuple(paths)
-    job = Job(output, KIND, "saliency-train", params, sets.inputs(places), page(output, KIND))
+    job = Job(
+        output, KIND, "saliency-train", params, sets.inputs(places), page(output, KIND), partial(sets.read, places)
+    )
     return make(job, lambda: learnt(places, params, run, progress), run)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -16,10 +17,15 @@ from ipcli.models.saliency.vertex_features import features
 from ipcli.models.saliency.vertex_model import SurfaceCase
 from ipcli.progress import Progress, silent
 
+log = logging.getLogger(__name__)
+
 
 def read(paths: tuple[Path, ...]) -> FixationSet:
     """All sets as one; ParameterError for pictures and surfaces together, or two items of one name."""
     sets = [open_fixations(path) for path in paths]
+    for path, one in zip(paths, sets, strict=True):
+        for note in one.notes:
+            log.warning("%s: %s", path, note)
     whole = FixationSet(
         tuple(item for one in sets for item in one.pictures), tuple(item for one in sets for item in one.surfaces)
     )

@@ -54,6 +54,16 @@ def test_unknown_parts_are_told_with_the_object_that_has_them(tmp_path):
     assert "'rest' is what no part of the object covers, mostly belly" in text
 
 
+def test_what_a_project_leaves_out_is_counted(tmp_path):
+    pascal_file(tmp_path / "a.mat", ["horse"], rest=4)
+    rename = 'rename = { "torso" = "belly", "leg" = "belly", "rest" = "" }'
+    text = f'[parts]\nbelly = ""\n[[images]]\nmasks = "a.mat"\nview = "left"\n{rename}\n'
+    (tmp_path / "p.toml").write_text(text)
+    (image,) = project.read(tmp_path / "p.toml").images
+    assert image.dropped == {"rest": 8 * 4}
+    assert image.silhouette.sum() == (LABELS > 0).sum()
+
+
 @pytest.mark.parametrize("data", [b"", b"MATLAB 5.0 MAT-file", b"\x00" * 300])
 def test_a_damaged_mat_is_refused(tmp_path, data):
     (tmp_path / "a.mat").write_bytes(data)

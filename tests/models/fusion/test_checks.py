@@ -7,7 +7,7 @@ import pytest
 
 from ipcli.measurements.views import View
 from ipcli.models.fusion import checks
-from ipcli.models.fusion.checks import LOOSE, OPENGL, convergence_warnings, geometry_warnings
+from ipcli.models.fusion.checks import LOOSE, OPENGL, SHIFT_BETTER, convergence_warnings, geometry_warnings, shifted
 
 CAMERA = np.array([[60.0, 0, 39.5], [0, 60, 29.5], [0, 0, 1]])
 
@@ -84,8 +84,17 @@ def test_poses_of_the_next_or_the_last_view_are_named(shift, word):
     views = [replace(UNEVEN[k], cam_from_world=UNEVEN[k + shift].cam_from_world) for k in indices]
     (warning,) = geometry_warnings(views, views[len(views) // 2])
     assert f"if each has the pose of the view {word} it" in warning
-    assert "shifted against those of the images" in warning
+    assert "shifted against the images. Look whether the first pose is that of the first image" in warning
     assert geometry_warnings(UNEVEN, UNEVEN[3]) == []
+
+
+def test_one_view_whose_own_pose_is_off_is_no_shift():
+    """With the pose of the view before it, it happens to fit its neighbours better; they do not fit theirs better."""
+    off = UNEVEN[2].cam_from_world
+    views = [*UNEVEN[:3], replace(UNEVEN[3], cam_from_world=off), *UNEVEN[4:]]
+    (then, now, word), *_ = [one for one in shifted(views, views[3]) if one[0] * SHIFT_BETTER < one[1]]
+    assert then < now
+    assert geometry_warnings(views, views[3]) == []
 
 
 def at_size(view: View, factor: float, shift: tuple[float, float] = (0, 0)) -> View:

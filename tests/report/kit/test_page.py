@@ -134,3 +134,9 @@ def test_the_link_to_the_page_beside_leads_to_its_file_or_is_mere_words():
         '<p><a href="a%20b%3Cc.turn.html">a b&lt;c.turn.html</a></p>'
     )
     assert page.with_turning_page(html, None) == "<p>X.turn.html</p>"
+
+
+def test_a_table_of_many_columns_is_set_closer_so_that_it_fits():
+    names = [f"c{n}" for n in range(page.WIDE + 1)]
+    assert 'class="scroll dense"' in page.table(names, [names])
+    assert 'class="scroll"' in page.table(names[:-1], [names[:-1]])

@@ -129,6 +129,12 @@ def test_a_label_that_the_model_does_not_know_gets_its_own_row(provenance):
     assert ">dance</text>" in html
 
 
+def test_a_gap_between_segments_is_explained_where_there_is_one():
+    assert "A gap: none of the actions." in action_recognition.page(windows(), {})
+    named = windows() | {"segment_answer": texts("kick", "squat", "squat")}
+    assert "A gap" not in action_recognition.page(named, {})
+
+
 def test_the_time_named_right_is_that_of_the_overlaps():
     """Of 2 s of kick in take 0 all was named kick, of the 2 s after it 1 s none and 1 s kick; take 1 has no label."""
     arrays = windows() | {

@@ -21,3 +21,5 @@ def test_the_page_holds_every_moment_of_every_membrane_and_fetches_nothing():
     assert np.abs(shapes[:, :, -1]).max() < 1e-2  # clamped at the rim
     assert "http" not in page.replace("http-equiv", "")
     assert "σ = 1" in page
+    for meant in ("the greater σ", "z is the distance", "a the membrane's radius"):
+        assert meant in page

@@ -30,3 +30,20 @@ def test_a_surface_turned_about_shows_its_other_side():
 
 def test_items_are_named_in_order():
     assert overlay.items({"a/2/x": 0, "a/1/x": 0, "b/0/x": 0}, "a") == ["1", "2"]
+
+
+def test_single_pixels_between_points_are_closed_and_wider_gaps_are_not():
+    drawn = np.full((12, 12, 3), overlay.BEHIND, np.uint8)
+    drawn[1:11, 1:11] = (40, 50, 60)
+    drawn[3, 3] = overlay.BEHIND
+    drawn[6:10, 6:10] = overlay.BEHIND
+    closed = overlay._closed(drawn)
+    assert closed[3, 3].tolist() == [40, 50, 60]
+    assert (closed[0] == overlay.BEHIND).all()
+    assert (closed[7:9, 7:9] == overlay.BEHIND).all()
+
+
+def test_a_map_without_a_peak_lights_nothing_up():
+    lit = overlay.glow(np.full((20, 40, 3), 200, np.uint8), np.ones((2, 4), np.float32))
+    assert lit.min() > overlay.DARKEST * 200
+    assert lit.max() < 0.8 * 200

@@ -28,7 +28,10 @@ def test_a_page_without_gaze_has_no_table_of_errors(provenance):
     a = scene.saliency(search.sequence(2, gaze=False), SceneSaliency(surface=SurfaceFit(nodes=900)))
     page = report.renderer("saliency")(a, provenance)
     assert "The learnt function</h2>" not in page
-    assert "by chance" not in page
+    gone = ("by chance", ">looked at<", "Points of regard in red", ">points of regard<", "nodes attended", "–</td>")
+    for words in (*gone, "What each score is worth"):
+        assert words not in page.partition("<h2>")[2]
+    assert "What was predicted</h2>" in page
 
 
 def test_regards_are_red_and_predicted_patches_green(artefact):

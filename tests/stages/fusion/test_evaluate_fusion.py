@@ -134,5 +134,5 @@ def test_the_given_maps_alone_can_be_asked_for(views, tmp_path):
 
 
 def test_a_lambda_for_all_methods_is_refused(views, tmp_path):
-    with pytest.raises(ParameterError, match="leave out --lambda"):
+    with pytest.raises(ParameterError, match=r"leave out fusion\.lam"):
         evaluate_fusion.run(views, tmp_path / "a.h5", EvaluateFusion(fusion=Fusion(lam=0.3)), Run())

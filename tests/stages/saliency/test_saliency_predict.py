@@ -42,6 +42,22 @@ def test_a_mesh_keeps_its_triangles_and_gets_normals(tmp_path):
     assert made.extra["saliency"].argmax() in mesh.vertex_neighbors[0] + [0]
 
 
+def test_a_surface_whose_z_points_up_is_predicted_on_as_one_whose_y_does(tmp_path):
+    points, normals = (part.astype(np.float32) for part in bumpy(0)[:2])
+    ply.write(tmp_path / "s.ply", points, normals=normals)
+    saliency_predict.run(tmp_path / "s.ply", tmp_path / "y.h5", None, SaliencyPredict(), Run())
+    lying = [part[:, [2, 0, 1]] for part in (points, normals)]  # y up -> z up, by a rotation
+    (tmp_path / "z").mkdir()
+    ply.write(tmp_path / "z" / "s.ply", lying[0], normals=lying[1])
+    saliency_predict.run(tmp_path / "z" / "s.ply", tmp_path / "z.h5", None, SaliencyPredict(up="z"), Run())
+    a, b = (h5.read(tmp_path / f"{name}.h5", "saliency-maps").arrays for name in "yz")
+    for part in ("points", "normals", "map"):
+        np.testing.assert_allclose(a[f"surfaces/s/{part}"], b[f"surfaces/s/{part}"], atol=1e-5)
+    np.testing.assert_array_equal(ply.read(tmp_path / "z.s.ply").vertices, lying[0])  # the file's own axes
+    assert "Bright is likely" in (tmp_path / "z.turn.html").read_text()
+    assert "z.turn.html" in (tmp_path / "z.html").read_text()
+
+
 def test_what_cannot_be_predicted_on_is_refused(tmp_path):
     points = bumpy(0)[0].astype(np.float32)
     ply.write(tmp_path / "cloud.ply", points)
