@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import label
 
-from experiments.brdf import page, painted, reliefs, scenes
+from experiments.brdf import development, page, painted, reliefs, scenes
 from experiments.brdf.scenes import Case
 from ipcli.models.brdf.grid import normals
 from ipcli.models.brdf.parameters import Inference
@@ -80,6 +80,16 @@ def test_a_further_draw_is_the_same_objects_in_other_light_summed_up_by_itself(m
     assert len({case.name for case in again}) == 4
     np.testing.assert_array_equal(again[0].colour, first[0].colour)
     assert np.abs(again[2].colour - first[0].colour).max() > 0.1
+
+
+def test_development_sums_up_generated_solids_by_themselves_and_leaves_out_generated_sheets(monkeypatch):
+    def of(name):
+        return Case(name, "", np.ones((12, 12, 3)), HILL > 0, normals(HILL, HILL > 0), HILL)
+
+    monkeypatch.setattr(development, "cases", lambda data: iter([of("spot pvc")]))
+    monkeypatch.setattr(development, "generated_cases", lambda data, count: iter([of("sheet pvc"), of("vase pvc")]))
+    found = [(case.name, case.kind) for case in development.with_solids(None)]
+    assert found == [("spot pvc", "All cases"), ("generated vase pvc", "Generated solids")]
 
 
 @pytest.mark.parametrize(("sign", "tie", "is_told"), [(-1, 0.0, True), (-1, 0.5, False), (1, 0.0, False)])
