@@ -5,8 +5,8 @@
 #   make experiments/brdf-synthetic   five objects of our own making in every material of the library (table 7.1)
 #   make experiments/brdf-traced      the same pictures path traced by Mitsuba (extra `mitsuba`): shadows and inter-reflection
 #   make experiments/brdf-painted     the same objects under four kinds of paint: what texture does
-#   make experiments/brdf-reliefs     bowls and domes under light from above, the side and below: which way it bends
-#   make experiments/brdf-development cup1, meshes and sheets in measured materials under real probes: what all was chosen on
+#   make experiments/brdf-reliefs     bowls and domes, a dish and a spoon under light from above, the side and below: which way it bends
+#   make experiments/brdf-development cup1, meshes, sheets and generated solids in measured materials under real probes: what all was chosen on
 #   make experiments/brdf-rims        what the judge of rims should learn from, on the same and more of its kind
 #   make experiments/brdf-materials   which material, metal or not: held-out surfaces under held-out lights
 # QUICK=1 takes generated scenes in place of the data sets, a small library and few cases. Parameters were chosen on MIT's cup1 and on generated scenes.
