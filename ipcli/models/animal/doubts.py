@@ -11,7 +11,7 @@ from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal.placing import OBLIQUE
 
 LEAST_LIKE = 0.7  # share of pixels with the right part, below which an image and the model do not go together
-# Of another pose's model, bent. Of the development pairs of individuals the one that did harm had .75, the one that
+# Of another pose's model, bent. Of the development pairs of individuals the one that did harm had .74, the one that
 # helped .80; the animal itself in another pose has .80 and more.
 LEAST_BENT = 0.77
 
