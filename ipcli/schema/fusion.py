@@ -231,6 +231,7 @@ CLOUD = Kind(
         Field("map_confirmed", "int64", ("m",), "1", "Those confirmed by enough other maps"),
         Field("map_contradicted", "int64", ("m",), "1", "Those that more maps look through than confirm"),
         Field("unit", "str", (), "", "Unit of length of the scene, such as `m`"),
+        Field("warnings", "str", ("q",), "", "What is odd about the maps", optional=True),
     ),
 )
 
