@@ -85,7 +85,7 @@ def merge_warnings(names: Sequence[str], poses: np.ndarray, depths: np.ndarray, 
             )
     shares = counts[:, 1] / np.maximum(counts[:, 0], 1)
     with_points = np.flatnonzero(counts[:, 0] > 0)
-    for k in with_points if len(with_points) > 1 else ():
+    for k in with_points.tolist() if len(with_points) > 1 else ():
         times = float(depths[k] / np.median(depths[with_points[with_points != k]]))
         if not 1 / ANOTHER_UNIT < times < ANOTHER_UNIT:
             found.append(f"{names[k]} sees its surface {times:.2g} times as far away as the others: another unit?")
