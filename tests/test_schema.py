@@ -163,7 +163,7 @@ def pose(rotation, last=(0, 0, 0, 1)):
         ("ROTATION", [TURN], [MIRROR, 1.01 * TURN, np.full((3, 3), np.nan), np.zeros((3, 3))]),
         ("POSE", [pose(TURN)], [pose(MIRROR), pose(2 * TURN), pose(TURN, (0, 0, 0, 2)), pose(TURN * np.nan)]),
         ("KNOWN_POSE", [pose(TURN), np.full((4, 4), np.nan)], [pose(TURN, (0, 0, 0, np.nan)), pose(MIRROR)]),
-        ("CAMERA", [SKEW], [SKEW.T, np.zeros((3, 3)), -SKEW, 2 * SKEW, SKEW * np.inf]),
+        ("CAMERA", [SKEW], [SKEW.T, np.zeros((3, 3)), -SKEW, 2 * SKEW, np.full((3, 3), np.inf)]),
     ],
 )
 def test_matrices_are_of_their_form_each_by_itself(form, sound, unsound):

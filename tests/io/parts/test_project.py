@@ -91,7 +91,7 @@ def test_a_project_that_is_not_there_or_not_text(tmp_path):
     with pytest.raises(FormatError, match="cannot be read"):
         project.read(tmp_path / "none.toml")
     (tmp_path / "b.toml").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(FormatError, match="not a text"):
+    with pytest.raises(FormatError, match="not a readable text file"):
         project.read(tmp_path / "b.toml")
 
 
