@@ -18,6 +18,7 @@ from ipcli.errors import FormatError
 log = logging.getLogger(__name__)
 CUT = "the file ends without an end of line: its last number may be cut"  # what `cut_number` found, in words
 BINARY = 1 << 12  # bytes at the start of a file, among which no text has a zero
+LONGEST_INTEGER = 19  # letters: shorter ones have at most 64 bits
 MOST_BYTES = 1 << 24  # of a file of settings; those that come with a capture's calibration have kilobytes
 
 
@@ -73,7 +74,7 @@ def warn_if_cut(path: Path, text: str) -> None:
 
 def read_toml(path: Path, *, fix: str | None = None) -> dict[str, Any]:
     """The table of a TOML file. FormatError with `fix` for anything else, a number of 5000 digits and 5000 brackets
-    included, which the parser takes ill in ways of its own.
+    included, which the parser takes ill in ways of its own, and whole numbers beyond the 64 bits that TOML has.
     """
     import tomllib
 
@@ -81,19 +82,45 @@ def read_toml(path: Path, *, fix: str | None = None) -> dict[str, Any]:
     if cut_number(text):
         warn_if_cut(path, text)
     try:
-        return tomllib.loads(text)
+        table = tomllib.loads(text)
     except (ValueError, RecursionError, OverflowError) as error:
         raise FormatError(path, f"not valid TOML: {_reason(error)}", fix=fix) from error
+    if _is_beyond(table):
+        raise FormatError(path, "not valid TOML: a whole number of more than 64 bits", fix=fix)
+    return table
+
+
+def _is_beyond(table: dict[str, Any]) -> bool:
+    """Whether a whole number of more than 64 bits, for which floats have no place, is in a table."""
+    left: list[Any] = [table]
+    while left:
+        value = left.pop()
+        if isinstance(value, (dict, list)):
+            left += value.values() if isinstance(value, dict) else value
+        elif isinstance(value, int) and not -(1 << 63) <= value < 1 << 63:
+            return True
+    return False
+
+
+def json_of(text: str) -> Any:
+    """What a JSON text says, whole numbers of more than 64 bits as floats, which may be infinite. ValueError for
+    anything else, brackets nested too deep included.
+    """
+    import json
+
+    try:
+        return json.loads(
+            text, parse_int=lambda digits: int(digits) if len(digits) < LONGEST_INTEGER else float(digits)
+        )
+    except RecursionError:
+        raise ValueError("nested too deep") from None
 
 
 def read_json(path: Path, *, fix: str | None = None) -> dict[str, Any]:
     """The object of a JSON file. FormatError with `fix` for anything else."""
-    import json
-
-    text = read_small_text(path)
     try:
-        found = json.loads(text)
-    except (ValueError, RecursionError) as error:
+        found = json_of(read_small_text(path))
+    except ValueError as error:
         raise FormatError(path, f"not valid JSON: {_reason(error)}", fix=fix) from error
     if not isinstance(found, dict):
         raise FormatError(path, "not what it should hold", expected="a JSON object", got=type(found).__name__, fix=fix)

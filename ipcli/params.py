@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
 import types
 import typing
 from collections.abc import Iterator, Mapping, Sequence
@@ -171,7 +172,7 @@ def find_config(given: Path, command: str) -> Path:
     Raises ParameterError, which lists what is shipped, when a bare name is neither. Any other path is left to
     `resolve`, to read or to complain of.
     """
-    if given.is_file() or given.suffix or given.is_absolute() or len(given.parts) > 2:
+    if os.path.isfile(given) or given.suffix or given.is_absolute() or len(given.parts) > 2:
         return given
     shipped = {path.relative_to(SHIPPED).with_suffix("").as_posix(): path for path in SHIPPED.glob("*/*.toml")}
     found = shipped.get(given.as_posix()) or shipped.get(f"{command}/{given.as_posix()}")

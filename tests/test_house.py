@@ -100,7 +100,6 @@ WITHOUT_MIRROR = {
     "ipcli.io.gaze.trajectories",
     "ipcli.measurements.recording",
     "ipcli.models.gaze.adjustment",
-    "ipcli.models.gaze.checks",
     "ipcli.models.gaze.dense",
     "ipcli.models.gaze.evaluation",
     "ipcli.models.gaze.features",

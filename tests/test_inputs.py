@@ -67,6 +67,7 @@ def test_files_folders_and_what_is_not_there_pass(tmp_path):
 
 ILL = {
     "digits": "a = " + "9" * 5000,
+    "beyond": "a = [{ b = 1" + "0" * 400 + " }]",
     "deep": "a = " + "[" * 5000 + "]" * 5000,
     "dotted": ".".join("a" * 5000) + " = 1",
     "latin": "a = '\xe9'".encode("latin-1"),
@@ -88,12 +89,19 @@ def test_settings_that_a_parser_takes_ill_are_a_fault_of_the_file(tmp_path, read
         params.resolve(FuseDepth, config=path)
 
 
-@pytest.mark.parametrize(("told", "what"), [("[" * 9999, "too deep"), ("[1]", "object"), ("9" * 5000, "digits")])
+@pytest.mark.parametrize(("told", "what"), [("[" * 9999, "too deep"), ("[1]", "object"), ("9" * 5000, "object")])
 def test_json_that_is_no_object_is_refused(tmp_path, told, what):
     path = tmp_path / "s.json"
     path.write_text(told)
     with pytest.raises(FormatError, match=what):
         inputs.read_json(path)
+
+
+def test_whole_numbers_of_json_that_no_float_holds_are_infinite():
+    found = inputs.json_of('{"a": [1, 900719925474099, 1' + "0" * 20 + ", -1" + "0" * 400 + "]}")
+    assert found == {"a": [1, 900719925474099, 1e20, -float("inf")]}
+    with pytest.raises(ValueError, match="too deep"):
+        inputs.json_of("[" * 9999)
 
 
 def test_settings_of_gigabytes_are_not_read(tmp_path):

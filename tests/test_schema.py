@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given
 
 from ipcli import schema
-from tests.fixtures.artefacts import artefacts, refs_of
+from ipcli.schema import fields
+from ipcli.schema.fields import Form
+from tests.fixtures.artefacts import artefacts, of_form, refs_of
 
 KINDS = list(schema.KINDS.values())
 
@@ -19,7 +21,8 @@ def example(kind):
     for field in kind.fields:
         shape = tuple(dim if isinstance(dim, int) else lengths.get(dim, 2) for dim in field.dims)
         one = np.array((field.choices or ("text",))[0]) if field.dtype == "str" else np.ones((), field.dtype)
-        arrays[field.name.replace("*", "a")] = np.full(shape, one)
+        array = of_form(shape).astype(field.dtype) if isinstance(field.domain, Form) else np.full(shape, one)
+        arrays[field.name.replace("*", "a")] = array
     return arrays
 
 
@@ -143,6 +146,41 @@ def test_depth_is_positive_or_unknown(value):
     arrays["views/a/depth"][1, 2] = value
     with pytest.raises(schema.SchemaError, match=r"views/a/depth: value not allowed .*at \(1, 2\), 1 of 6"):
         schema.validate(schema.kind("views"), arrays)
+
+
+TURN = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+MIRROR = np.diag([1.0, 1, -1])
+SKEW = np.array([[500.0, 2, 320], [0, 400, 240], [0, 0, 1]])
+
+
+def pose(rotation, last=(0, 0, 0, 1)):
+    return np.vstack([np.column_stack([rotation, [1, 2, 3]]), last])
+
+
+@pytest.mark.parametrize(
+    ("form", "sound", "unsound"),
+    [
+        ("ROTATION", [TURN], [MIRROR, 1.01 * TURN, np.full((3, 3), np.nan), np.zeros((3, 3))]),
+        ("POSE", [pose(TURN)], [pose(MIRROR), pose(2 * TURN), pose(TURN, (0, 0, 0, 2)), pose(TURN * np.nan)]),
+        ("KNOWN_POSE", [pose(TURN), np.full((4, 4), np.nan)], [pose(TURN, (0, 0, 0, np.nan)), pose(MIRROR)]),
+        ("CAMERA", [SKEW], [SKEW.T, np.zeros((3, 3)), -SKEW, 2 * SKEW, np.full((3, 3), np.inf)]),
+    ],
+)
+def test_matrices_are_of_their_form_each_by_itself(form, sound, unsound):
+    matrices = np.stack([*sound, *unsound])
+    held = getattr(fields, form).holds(matrices)
+    assert held.shape == matrices.shape
+    assert held.all(axis=(1, 2)).tolist() == [True] * len(sound) + [False] * len(unsound)
+    assert fields.POSE.holds(np.zeros((0, 4, 4))).shape == (0, 4, 4)
+
+
+def test_times_that_run_backwards_are_refused():
+    kind = schema.kind("recording")
+    arrays = example(kind)
+    schema.validate(kind, arrays)
+    for times in ([0.0, 0.0], [1.0, 0.0], [0.0, np.nan]):
+        with pytest.raises(schema.SchemaError, match="each larger than the one before"):
+            schema.validate(kind, arrays | {"times": np.array(times)})
 
 
 def test_confidence_may_be_zero_but_not_unknown():

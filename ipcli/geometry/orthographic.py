@@ -68,10 +68,16 @@ def of_view(view: str) -> np.ndarray:
 
 
 def by_angles(azimuth: float, elevation: float) -> str:
-    """The word for a view from these angles in degrees, as `looking` takes them. ValueError for none of a camera."""
+    """The word for a view from these angles in degrees, as `looking` takes them: one word for one view, the name where
+    it has one. ValueError for angles that are none of a camera.
+    """
     if not (-360 <= azimuth <= 360 and -90 <= elevation <= 90):
         raise ValueError("an azimuth outside -360 to 360, or an elevation outside -90 to 90 degrees")
-    return f"{azimuth:g},{elevation:g}"
+    rotation = looking(azimuth, elevation)
+    for name, rows in NAMED.items():
+        if np.allclose(rotation, rows, atol=1e-6):
+            return name
+    return f"{azimuth % 360:g},{elevation:g}"
 
 
 def looking(azimuth: float, elevation: float, roll: float = 0.0) -> np.ndarray:

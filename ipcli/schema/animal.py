@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ipcli.schema.fields import FINITE, WEIGHT, Domain, Field, Kind, Ref
+from ipcli.schema.fields import FINITE, ROTATION, WEIGHT, Domain, Field, Kind, Ref
 
 POSITIVE = Domain("finite, > 0", 0.0, closed=False)
 
@@ -69,7 +69,7 @@ COMPONENTS = Kind(
             domain=FINITE,
         ),
         Field("images", "str", ("k",), "", "Name of each image of the reference pose"),
-        Field("rotations", "float64", ("k", 3, 3), "1", "cam_from_world of each image", domain=FINITE),
+        Field("rotations", "float64", ("k", 3, 3), "1", "cam_from_world of each image", domain=ROTATION),
         Field("scales", "float64", ("k",), "px/unit", "Scale of each image", domain=POSITIVE),
         Field("shifts", "float64", ("k", 2), "px", "Column and row of the world's origin", domain=FINITE),
         Field(
@@ -98,7 +98,7 @@ MODEL = Kind(
         Field("seen_by", "uint16", ("n",), "", "Images that saw the vertex; 0: the model's guess"),
         Field("images", "str", ("k",), "", "Name of each image of the reference pose"),
         Field("views", "str", ("k",), "", "Name of its view; empty: found from the masks"),
-        Field("rotations", "float64", ("k", 3, 3), "1", "cam_from_world of each image", domain=FINITE),
+        Field("rotations", "float64", ("k", 3, 3), "1", "cam_from_world of each image", domain=ROTATION),
         Field("scales", "float64", ("k",), "px/unit", "Scale of each image", domain=POSITIVE),
         Field("shifts", "float64", ("k", 2), "px", "Column and row of the world's origin", domain=FINITE),
         Field("overlaps", "float64", ("k",), "1", "Share of pixels whose part agrees", domain=WEIGHT),

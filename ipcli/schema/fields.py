@@ -5,7 +5,7 @@ may take.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -37,6 +37,53 @@ class Domain(NamedTuple):
 FINITE = Domain("finite")
 DISTANCE = Domain("> 0, or NaN where unknown", 0.0, closed=False, nan=True)
 WEIGHT = Domain("finite, >= 0", 0.0)
+
+
+class Form(NamedTuple):
+    """What values are only as a whole; `holds` says it for each value of an array."""
+
+    text: str
+    holds: Callable[[np.ndarray], np.ndarray]
+
+
+def _matrices(are_so: Callable[[np.ndarray], np.ndarray], nan: bool = False) -> Callable[[np.ndarray], np.ndarray]:
+    """`are_so` of matrices (m, n, n), for each value of arrays (..., n, n); those of NaN alone are so if `nan`."""
+
+    def holds(values: np.ndarray) -> np.ndarray:
+        matrices = values.reshape(-1, *values.shape[-2:])
+        with np.errstate(all="ignore"):
+            sound = are_so(matrices) | (nan & np.isnan(matrices).all(axis=(1, 2)))
+        return np.broadcast_to(sound.reshape(*values.shape[:-2], 1, 1), values.shape)
+
+    return holds
+
+
+def _are_rotations(matrices: np.ndarray) -> np.ndarray:
+    product = np.swapaxes(matrices, 1, 2) @ matrices
+    return (np.abs(product - np.eye(3)) <= RIGID_TOLERANCE).all(axis=(1, 2)) & (np.linalg.det(matrices) > 0)
+
+
+def _are_poses(matrices: np.ndarray) -> np.ndarray:
+    last = np.isclose(matrices[:, 3], (0, 0, 0, 1)).all(axis=1)
+    return _are_rotations(matrices[:, :3, :3]) & last & np.isfinite(matrices).all(axis=(1, 2))
+
+
+def _are_cameras(matrices: np.ndarray) -> np.ndarray:
+    below = np.isclose(matrices[:, [1, 2, 2, 2], [0, 0, 1, 2]], (0, 0, 0, 1)).all(axis=1)
+    focal = (matrices[:, 0, 0] > 0) & (matrices[:, 1, 1] > 0)
+    return below & focal & np.isfinite(matrices).all(axis=(1, 2))
+
+
+def _ascend(values: np.ndarray) -> np.ndarray:
+    return np.isfinite(values) & (np.diff(values, prepend=-np.inf) > 0)
+
+
+RIGID_TOLERANCE = 1e-3  # of each value of R^T R
+ROTATION = Form("a rotation", _matrices(_are_rotations))
+POSE = Form("a rigid pose", _matrices(_are_poses))
+KNOWN_POSE = Form("a rigid pose, or NaN where unknown", _matrices(_are_poses, nan=True))
+CAMERA = Form("[fx s cx; 0 fy cy; 0 0 1], fx, fy > 0", _matrices(_are_cameras))
+ASCENDING = Form("finite, each larger than the one before", _ascend)
 
 
 class Ref(NamedTuple):
@@ -82,7 +129,7 @@ class Field:
     units: str
     doc: str
     optional: bool = False
-    domain: Domain | None = None
+    domain: Domain | Form | None = None
     choices: tuple[str, ...] = ()
     refers: Ref | tuple[Ref, ...] | None = None  # of all values, or of each column of the last axis
 

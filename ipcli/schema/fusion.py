@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ipcli.schema.fields import DISTANCE, FINITE, WEIGHT, Domain, Field, Kind, Ref
+from ipcli.schema.fields import CAMERA, DISTANCE, FINITE, POSE, WEIGHT, Domain, Field, Kind, Ref
 
 VIEWS = Kind(
     "views",
@@ -11,9 +11,9 @@ VIEWS = Kind(
     (
         Field("views/*/depth", "float32", ("h", "w"), "unit", "Depth along the optical axis", domain=DISTANCE),
         Field(
-            "views/*/intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE
+            "views/*/intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=CAMERA
         ),
-        Field("views/*/cam_from_world", "float64", (4, 4), "unit", "Rigid pose, dst_from_src", domain=FINITE),
+        Field("views/*/cam_from_world", "float64", (4, 4), "unit", "Rigid pose, dst_from_src", domain=POSE),
         Field("views/*/confidence", "float32", ("h", "w"), "1", "Weight of each depth", optional=True, domain=WEIGHT),
         Field("views/*/image", "uint8", ("h", "w", 3), "", "RGB", optional=True),
         Field("views/*/truth", "float32", ("h", "w"), "unit", "True depth", optional=True, domain=DISTANCE),
@@ -76,8 +76,8 @@ DEPTH = Kind(
             domain=DISTANCE,
         ),
         Field("reference", "float32", ("h", "w"), "unit", "Depth of the reference view as given", domain=DISTANCE),
-        Field("intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE),
-        Field("cam_from_world", "float64", (4, 4), "unit", "Rigid pose, dst_from_src", domain=FINITE),
+        Field("intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=CAMERA),
+        Field("cam_from_world", "float64", (4, 4), "unit", "Rigid pose, dst_from_src", domain=POSE),
         Field("image", "uint8", ("h", "w", 3), "", "RGB of the reference view", optional=True),
         Field("truth", "float32", ("h", "w"), "unit", "True depth", optional=True, domain=DISTANCE),
         Field(
@@ -209,7 +209,7 @@ TRIALS = Kind(
             domain=WEIGHT,
         ),
         Field("truth", "float32", ("h", "w"), "unit", "True depth", domain=DISTANCE),
-        Field("intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE),
+        Field("intrinsics", "float64", (3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=CAMERA),
         Field("unit", "str", (), "", "Unit of length of the scene, such as `m`"),
     ),
 )
@@ -226,11 +226,12 @@ CLOUD = Kind(
         Field("views", "uint16", ("n",), "1", "Maps that agree on the point"),
         Field("spacing", "float64", (), "unit", "Side of the cells within which points were merged", domain=WEIGHT),
         Field("maps", "str", ("m",), "", "File of each fused map"),
-        Field("cam_from_world", "float64", ("m", 4, 4), "unit", "Rigid pose of each map, dst_from_src", domain=FINITE),
+        Field("cam_from_world", "float64", ("m", 4, 4), "unit", "Rigid pose of each map, dst_from_src", domain=POSE),
         Field("map_points", "int64", ("m",), "1", "Points of the map: pixels that were observed"),
         Field("map_confirmed", "int64", ("m",), "1", "Those confirmed by enough other maps"),
         Field("map_contradicted", "int64", ("m",), "1", "Those that more maps look through than confirm"),
         Field("unit", "str", (), "", "Unit of length of the scene, such as `m`"),
+        Field("warnings", "str", ("q",), "", "What is odd about the maps", optional=True),
     ),
 )
 

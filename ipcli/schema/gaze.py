@@ -1,6 +1,6 @@
 """The kinds of gaze-sfm (thesis section 3.2)."""
 
-from ipcli.schema.fields import DISTANCE, FINITE, Domain, Field, Kind, Ref
+from ipcli.schema.fields import ASCENDING, CAMERA, DISTANCE, FINITE, KNOWN_POSE, POSE, Domain, Field, Kind, Ref
 
 KNOWN = Domain("finite, or NaN where unknown", nan=True)
 COUNT = Domain(">= 0", 0.0)
@@ -10,13 +10,13 @@ OUTCOMES = ("hit", "no depth", "lost", "invalid", "outside", "far")
 
 RIG = (
     Field("rig/sizes", "int64", ("c", 2), "px", "Width and height of each camera's pictures"),
-    Field("rig/intrinsics", "float64", ("c", 3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=FINITE),
+    Field("rig/intrinsics", "float64", ("c", 3, 3), "px", "K; pixel centres at integers, as in OpenCV", domain=CAMERA),
     Field("rig/models", "str", ("c",), "", "Lens of each camera", choices=LENSES),
     Field("rig/distortion", "float64", ("c", 12), "1", "Coefficients of the lens, NaN beyond them", domain=KNOWN),
-    Field("rig/cam_from_rig", "float64", ("c", 4, 4), "m", "The rig's frame is camera 0's", domain=FINITE),
+    Field("rig/cam_from_rig", "float64", ("c", 4, 4), "m", "The rig's frame is camera 0's", domain=POSE),
 )
 GAZE = (
-    Field("gaze/times", "float64", ("n",), "s", "Time of each gaze sample, ascending", True, FINITE),
+    Field("gaze/times", "float64", ("n",), "s", "Time of each gaze sample, ascending", True, ASCENDING),
     Field("gaze/pixels", "float64", ("n", 2), "px", "Gaze in camera 0's picture, distortion included", True, KNOWN),
     Field("gaze/valid", "uint8", ("n",), "1", "1: confident, worn, no blink", True),
     Field("gaze/directions", "float64", ("n", 3), "1", "Unit rays in the rig's frame; NaN: the pixel's", True, KNOWN),
@@ -32,13 +32,13 @@ RECORDING = Kind(
     "A head-mounted recording: calibrated pictures of one or two cameras (or one with depth), gaze, truth where known.",
     (
         Field("names", "str", ("k",), "", "Name of each frame"),
-        Field("times", "float64", ("k",), "s", "Time of each frame, ascending", domain=FINITE),
+        Field("times", "float64", ("k",), "s", "Time of each frame, ascending", domain=ASCENDING),
         *RIG,
         Field("frames/*/left", "uint8", ("x",), "", "The picture of camera 0 as a PNG or JPEG file"),
         Field("frames/*/right", "uint8", ("y",), "", "The picture of camera 1", optional=True),
         Field("frames/*/depth", "float32", ("h", "w"), "m", "Depth along camera 0's axis", True, DISTANCE),
         *GAZE,
-        Field("truth", "float64", ("k", 4, 4), "m", "world_from_rig; NaN unknown", True, KNOWN),
+        Field("truth", "float64", ("k", 4, 4), "m", "world_from_rig; NaN unknown", True, KNOWN_POSE),
         Field("targets", "float64", ("t", 3), "m", "Places that were looked at, in the truth's frame", True, FINITE),
         Field("target_names", "str", ("t",), "", "Their names", True),
         Field(
@@ -64,9 +64,9 @@ EXPERIMENT = Kind(
     "the first frame; metres.",
     (
         Field("names", "str", ("k",), "", "Name of each frame"),
-        Field("times", "float64", ("k",), "s", "Time of each frame, ascending", domain=FINITE),
+        Field("times", "float64", ("k",), "s", "Time of each frame, ascending", domain=ASCENDING),
         *RIG,
-        Field("world_from_rig", "float64", ("k", 4, 4), "m", "Head pose; NaN where lost", domain=KNOWN),
+        Field("world_from_rig", "float64", ("k", 4, 4), "m", "Head pose; NaN where lost", domain=KNOWN_POSE),
         Field(
             "covariance",
             "float64",
@@ -75,7 +75,7 @@ EXPERIMENT = Kind(
             "Of the twist (omega, v) on the left of rig_from_world; NaN where lost",
             domain=KNOWN,
         ),
-        Field("online", "float64", ("k", 4, 4), "m", "Head pose as known at that frame", domain=KNOWN),
+        Field("online", "float64", ("k", 4, 4), "m", "Head pose as known at that frame", domain=KNOWN_POSE),
         Field("lost", "uint8", ("k",), "1", "1: no pose"),
         Field("how", "str", ("k",), "", "How the pose was found", choices=("first", "predicted", "recognised", "lost")),
         Field("reasons", "str", ("k",), "", "Why a frame was lost; else empty"),
@@ -153,7 +153,7 @@ EXPERIMENT = Kind(
         Field("map/pixels", "float64", ("m", 2), "px", "Where, distortion included", domain=FINITE),
         Field("pictures", "uint8", ("t", "h", "w", 3), "", "Some frames, made small"),
         Field("picture_frames", "int64", ("t",), "1", "Which frames they are", domain=COUNT, refers=Ref("names")),
-        Field("truth", "float64", ("k", 4, 4), "m", "True world_from_rig; NaN unknown", True, KNOWN),
+        Field("truth", "float64", ("k", 4, 4), "m", "True world_from_rig; NaN unknown", True, KNOWN_POSE),
         Field(
             "targets", "float64", ("a", 3), "m", "True places that were looked at, in the truth's frame", True, FINITE
         ),

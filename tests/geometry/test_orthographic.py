@@ -32,6 +32,11 @@ def test_azimuths_of_the_named_views(azimuth, view):
     assert ortho.looking(azimuth, 0.0) == pytest.approx(ortho.of_view(view), abs=1e-12)
 
 
+def test_one_view_has_one_word():
+    words = [ortho.by_angles(*angles) for angles in ((0, 0), (360, 0), (-270, 0), (180, 90), (-40, 15), (320, 15))]
+    assert words == ["front", "front", "left", "top", "320,15", "320,15"]
+
+
 def test_a_view_by_angles_is_what_a_camera_there_sees():
     assert ortho.by_angles(40.0, 15) == "40,15"
     assert ortho.of_view("40,15") == pytest.approx(ortho.looking(40.0, 15.0))

@@ -2,11 +2,13 @@
 
 import os
 import signal
+import sys
 
 import pytest
 
 from ipcli.errors import FormatError
 from ipcli.io.files import text
+from tests.fixtures import house
 from tests.fixtures.attack import child, run
 from tests.fixtures.attack.seed import Content, Seed, written
 from tests.fixtures.attack.seeds import SEEDS, registered
@@ -16,6 +18,30 @@ FEW = 2
 
 def test_everything_that_is_registered_has_a_seed():
     assert registered() - set(SEEDS) == set()
+
+
+def test_every_reader_of_io_is_called_by_a_seed(tmp_path):
+    readers = {
+        (str(module.path), function.name)
+        for module in house.modules("ipcli/io")
+        for function in module.functions
+        if function.name.split("_")[0] in ("read", "open")
+    }
+    called = set()
+
+    def note(frame, event, _):
+        if event == "call":
+            called.add((frame.f_code.co_filename, frame.f_code.co_name))
+
+    for number, seed in enumerate(seed for name, seed in SEEDS.items() if not name.startswith("artefacts/")):
+        (tmp_path / str(number)).mkdir()
+        opened = seed.write(tmp_path / str(number))
+        sys.setprofile(note)
+        try:
+            child.outcome(seed, opened)
+        finally:
+            sys.setprofile(None)
+    assert readers - called == set()
 
 
 def seed_of(read):

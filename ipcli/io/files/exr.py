@@ -54,6 +54,8 @@ def _channels(content: bytes) -> dict[str, np.dtype]:
             raise ValueError("a channel of reduced size")
         channels[content[at:end].decode("ascii")] = TYPES[kind]
         at = end + 17
+    if not channels:
+        raise ValueError("no channels")
     return channels
 
 
@@ -63,7 +65,7 @@ def _pixels(path: Path, data: bytes, attributes: dict[str, bytes], start: int) -
     channels, compression = _channels(attributes["channels"]), attributes["compression"][0]
     if compression not in LINES:
         raise FormatError(path, "an OpenEXR file of a compression that is not read", expected="none or ZIP", fix=FIX)
-    wanted = next((name for name in DEPTH_CHANNELS if name in channels), next(iter(channels)))
+    wanted = next(name for name in (*DEPTH_CHANNELS, *channels) if name in channels)
     left, top, right, bottom = struct.unpack("<iiii", attributes["dataWindow"])
     width, height = right - left + 1, bottom - top + 1
     bytes_of_line = sum(kind.itemsize for kind in channels.values()) * width
@@ -71,8 +73,11 @@ def _pixels(path: Path, data: bytes, attributes: dict[str, bytes], start: int) -
         raise ValueError(f"{width} x {height} pixels in {len(data)} bytes")
     before = sum(kind.itemsize for name, kind in channels.items() if name < wanted) * width
     image = np.empty((height, width), np.float32)
+    left_out = np.ones(height, bool)
     blocks = -(-height // LINES[compression])
     for offset in struct.unpack_from(f"<{blocks}Q", data, start):
+        if offset > len(data):
+            raise ValueError("a block beyond the end")
         row, size = struct.unpack_from("<ii", data, offset)
         first = row - top
         count = min(LINES[compression], height - first)
@@ -83,6 +88,9 @@ def _pixels(path: Path, data: bytes, attributes: dict[str, bytes], start: int) -
         for line in range(count):
             at = line * bytes_of_line + before
             image[first + line] = np.frombuffer(block, channels[wanted], width, at)
+        left_out[first : first + count] = False
+    if left_out.any():
+        raise ValueError(f"{int(left_out.sum())} lines in no block")
     return image
 
 

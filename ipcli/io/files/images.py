@@ -170,7 +170,9 @@ def decoded(path: Path, data: bytes, as_colour: bool) -> np.ndarray:
         memory.check(path, BYTES_A_PIXEL * size[0] * size[1], f"{size[0]} x {size[1]} pixels")
     level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # else it prints what we raise
     try:
-        flags = cv2.IMREAD_COLOR if as_colour else cv2.IMREAD_UNCHANGED
+        # of a JPEG, UNCHANGED would keep nothing more but forget the turn that EXIF asks for, as no viewer does
+        upright = cv2.IMREAD_ANYCOLOR if data.startswith(JPEG) else cv2.IMREAD_UNCHANGED
+        flags = cv2.IMREAD_COLOR if as_colour else upright
         image = cv2.imdecode(np.frombuffer(data, np.uint8), flags) if data else None
     except cv2.error as error:
         raise FormatError(path, f"not a readable image: {' '.join(error.err.split())}") from error

@@ -33,10 +33,13 @@ class ScratchFiles:
         return key in self._held
 
     def put(self, key: Hashable, array: np.ndarray) -> None:
-        """Keep an array; one that is there under that key stays."""
+        """Keep an array; one that is there under that key stays. OSError names the folder when its disk is full."""
         file = self._files.enter_context(tempfile.TemporaryFile(dir=self._folder))  # noqa: SIM115 (the stack closes it)
-        file.write(np.ascontiguousarray(array).data)
-        file.flush()
+        try:
+            file.write(np.ascontiguousarray(array).data)
+            file.flush()
+        except OSError as error:  # a full disk, which the file without a name does not name
+            raise OSError(error.errno, error.strerror, str(self._folder)) from error
         with self._lock:
             self._held.setdefault(key, (file, array.shape, array.dtype))
 

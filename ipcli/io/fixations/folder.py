@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import csv
+import os
 from functools import partial
 from pathlib import Path
 
@@ -68,7 +69,7 @@ def _point(file: Path, line: int, row: dict[str, str]) -> tuple[float, float]:
 
 
 def _picture(path: Path, name: str, points: list[tuple[float, float]], observers: list[str]) -> FixatedPicture:
-    if not (path / name).is_file():
+    if not os.path.isfile(path / name):  # no error, as Path's has, for a name that no file can have
         raise FormatError(path / name, f"no such picture, which {FILE} names", fix="Add it")
     known = {observer: k for k, observer in enumerate(sorted(set(observers)))}
     whose = np.array([known[observer] for observer in observers], np.int64)

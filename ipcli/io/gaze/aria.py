@@ -7,13 +7,13 @@ direction is used, its depth is not.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ipcli.errors import FormatError
+from ipcli.inputs import json_of
 from ipcli.io.files import text as layout
 from ipcli.io.gaze import gaze_files, pictures, trajectories
 from ipcli.measurements.recording import Camera, Gaze, HeadRecording
@@ -74,8 +74,8 @@ def open_aria(folder: Path) -> HeadRecording:
 
 def _json(path: Path) -> dict[str, Any]:
     try:
-        found = json.loads(layout.read_text(path))
-    except (json.JSONDecodeError, RecursionError) as error:
+        found = json_of(layout.read_text(path))
+    except ValueError as error:
         raise FormatError(path, f"not valid JSON: {error}") from None
     if not isinstance(found, dict):
         raise FormatError(path, "not a calibration", expected="an object", got=type(found).__name__)
@@ -95,7 +95,7 @@ def _paired(folder: Path, left: dict[int, Path], right: dict[int, Path]) -> list
 
 
 def _camera(folder: Path, entry: dict[str, Any], size: tuple[int, int], cam_from_rig: np.ndarray) -> Camera:
-    values = np.array(entry.get("params", []), np.float64)
+    values = _numbers(entry.get("params"))
     if entry.get("model") != "FISHEYE624" or values.shape != (PARAMETERS,) or not np.isfinite(values).all():
         raise FormatError(
             folder / "calib.json", "unknown camera model", expected=f"FISHEYE624 with {PARAMETERS} numbers",
@@ -112,10 +112,22 @@ def _pose(folder: Path, calibration: dict[str, Any], side: str) -> np.ndarray:
 
 
 def _matrix(folder: Path, entry: dict[str, Any], key: str) -> np.ndarray:
-    value = np.array(entry.get(key, []), np.float64)
-    if value.shape != (4, 4) or not np.allclose(value[:3, :3] @ value[:3, :3].T, np.eye(3), atol=1e-3):
+    value = _numbers(entry.get(key))
+    if (
+        value.shape != (4, 4)
+        or not np.isfinite(value).all()
+        or not np.allclose(value[:3, :3] @ value[:3, :3].T, np.eye(3), atol=1e-3)
+    ):
         raise FormatError(folder / "calib.json", f"no rigid {key}", expected=(4, 4), got=value.shape)
     return value
+
+
+def _numbers(value: Any) -> np.ndarray:
+    """An array of float64 of what a JSON holds; an empty one for what are no numbers."""
+    try:
+        return np.array(value, np.float64)
+    except (TypeError, ValueError):
+        return np.zeros(0)
 
 
 def _gaze(path: Path, rig_from_cpf: np.ndarray) -> Gaze | None:
@@ -123,7 +135,8 @@ def _gaze(path: Path, rig_from_cpf: np.ndarray) -> Gaze | None:
     if not path.is_file():
         return None
     gaze = gaze_files.read_gaze(path)
-    assert gaze.directions is not None
+    if gaze.directions is None:
+        raise FormatError(path, "not the gaze of an Aria", expected="yaw and pitch", got=gaze.source)
     cpf = gaze.directions * np.array([-1.0, -1.0, 1.0])  # gaze_files gives OpenCV's axes
     return Gaze(
         gaze.times,

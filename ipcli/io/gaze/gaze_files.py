@@ -9,7 +9,6 @@ from __future__ import annotations
 import csv
 import gzip
 import io
-import json
 import logging
 import zlib
 from collections.abc import Callable, Mapping
@@ -19,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError
+from ipcli.inputs import json_of
 from ipcli.io.files import text as layout
 from ipcli.io.gaze.neon import is_neon, read_neon
 from ipcli.measurements.recording import Gaze
@@ -225,12 +225,12 @@ def _tobii(path: Path, size: tuple[int, int] | None) -> Gaze:
 def _sample(path: Path, number: int, line: str) -> tuple[float, float, float] | None:
     """Time and share of the picture of one line, None when it is about something else or the eyes were not found."""
     try:
-        entry = json.loads(line)
+        entry = json_of(line)
         if "gp" in entry and entry.get("s", 0) == 0:
             return (float(entry["ts"]) * 1e-6, float(entry["gp"][0]), float(entry["gp"][1]))
         if entry.get("type") == "gaze" and len(entry.get("data", {}).get("gaze2d", ())) == 2:
             return (float(entry["timestamp"]), *map(float, entry["data"]["gaze2d"]))  # type: ignore[return-value]
-    except (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError):
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError):
         raise FormatError(path, f"line {number} cannot be read", got=line[:60]) from None
     return None
 

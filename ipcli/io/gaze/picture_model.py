@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -64,4 +65,5 @@ def _picture(folder: Path, name: str) -> Path | None:
     """The file of a picture; None where there is none inside the folder."""
     if Path(name).is_absolute() or ".." in Path(name).parts:
         return None
-    return next((path for end in ("", *IMAGES) if (path := folder / f"{name}{end}").is_file()), None)
+    paths = (folder / f"{name}{end}" for end in ("", *IMAGES))
+    return next((path for path in paths if os.path.isfile(path)), None)  # no error for a name that no file can have

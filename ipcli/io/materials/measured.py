@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ipcli.errors import FormatError, nearest
+from ipcli.inputs import json_of
 from ipcli.io.files import npz
 
 TABLE = (90, 90, 180)
@@ -41,8 +41,8 @@ def read_abc(path: Path, name: str) -> dict[str, Any]:
     try:
         if path.stat().st_size > ABC_SIZE:
             raise FormatError(path, "too large to be a table of fits")
-        table = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
+        table = json_of(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
         raise FormatError(path, f"not readable JSON: {' '.join(str(error).split())}") from error
     fits = table.get("abc") if isinstance(table, dict) else None
     if not isinstance(fits, dict):

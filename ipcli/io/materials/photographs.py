@@ -76,6 +76,8 @@ def read_mask(path: Path, shape: tuple[int, int]) -> np.ndarray:
             got=f"{stored.shape[1]} x {stored.shape[0]}",
             fix="Give the --mask of this picture",
         )
+    if not np.isfinite(stored).all():
+        raise FormatError(path, "a mask of values that are not finite", fix="Paint the object white on black")
     plane = stored if stored.ndim == 2 else stored[..., 3] if _has_alpha(stored) else stored[..., :3].max(axis=-1)
     brightest = max(int(plane.max()), 1)
     mask = plane > HALF * brightest

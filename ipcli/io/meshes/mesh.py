@@ -46,12 +46,18 @@ def _checked(path: Path, suffixes: tuple[str, ...]) -> Path:
 
 
 def _check_off(text: str) -> None:
-    """ValueError for an OFF file with fewer lines than its counts ask for, which trimesh takes as it is."""
+    """ValueError for an OFF file of other lines than its counts ask for, or a face of fewer corners than it says, which
+    trimesh takes as they are.
+    """
     lines = [line for line in (line.partition("#")[0].strip() for line in text.splitlines()) if line]
     first = lines[0].removeprefix("C").removeprefix("OFF").split() or lines.pop(1).split()
     vertices, faces = (int(number) for number in first[:2])
-    if len(lines) - 1 < vertices + faces:
+    if len(lines) - 1 != vertices + faces:
         raise ValueError(f"{vertices} vertices and {faces} faces are said, but {len(lines) - 1} lines are there")
+    for line in lines[1 + vertices :]:
+        count, *corners = line.split()
+        if len(corners) < int(count):
+            raise ValueError(f"a face of {count} corners with {len(corners)} numbers")
 
 
 def _parse(path: Path) -> tuple[np.ndarray, np.ndarray]:

@@ -7,6 +7,7 @@ files lie in LABEL/ or LABEL/ACTOR/. Top folders train/ and test/ become a split
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -297,10 +298,8 @@ def _of_row(manifest: Path, line: int, row: dict[str, str], folder: Path) -> Rec
 
 def _there(folder: Path, name: str) -> Path | None:
     """The file of a name, or of the same with the slashes of Windows turned."""
-    try:
-        return next((folder / n for n in (name, name.replace("\\", "/")) if (folder / n).is_file()), None)
-    except (OSError, ValueError):  # a name that no file can have
-        return None
+    paths = (folder / name, folder / name.replace("\\", "/"))
+    return next((path for path in paths if os.path.isfile(path)), None)  # no error for a name that no file can have
 
 
 def _frame(manifest: Path, line: int, text: str) -> int | None:

@@ -5,7 +5,6 @@ Each reader returns the names of the parts it met and labels (h, w) int16: 0 bac
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -13,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ipcli.errors import FormatError
+from ipcli.inputs import json_of
 from ipcli.io.files import images
 from ipcli.io.parts import pascal
 
@@ -82,10 +82,10 @@ def read_folder(folder: Path) -> Masks:
 def read_labelme(path: Path) -> Masks:
     """Polygons, rectangles and circles of a LabelMe file; what comes later lies on top."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json_of(path.read_text(encoding="utf-8"))
         shapes = [(str(shape["label"]), _polygon(shape)) for shape in content["shapes"]]
         size = (content["imageHeight"], content["imageWidth"])
-    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise FormatError(path, f"not a LabelMe file ({type(error).__name__}: {error})") from error
     if not all(type(side) is int and side > 0 for side in size):
         raise FormatError(path, "no size of the image", expected="imageHeight and imageWidth, whole and > 0", got=size)

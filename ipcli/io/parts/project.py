@@ -28,6 +28,7 @@ points = [[52, 31, 60, 28]]     # column and row in the first, column and row in
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -85,7 +86,7 @@ def read(path: Path) -> Project:
     if not 0 < size < 1e9:
         raise FormatError(path, "no size of an animal", expected="size > 0", got=size)
     files = (path, *(file for _, files in read_images for file in files))
-    matches = tuple(_matches(path, entry, tree, names) for entry in content.get("matches", []))
+    matches = tuple(_matches(path, entry, tree, pictures) for entry in content.get("matches", []))
     return Project(content.get("name", path.stem), size, tree, pictures, tuple(dict.fromkeys(files)), matches)
 
 
@@ -133,7 +134,7 @@ def _image(path: Path, entry: Mapping[str, Any], tree: PartTree, number: int) ->
     if pose not in POSES:
         raise FormatError(path, f"{where}unknown pose '{pose}'{nearest(pose, POSES)}")
     source = path.parent / entry["masks"]
-    if not source.exists():
+    if not os.path.exists(source):  # no error, as Path's has, for a name that no file can have
         raise FormatError(source, "no such file or folder", fix=f"It is the masks of image {number} in {path.name}")
     which = entry.get("object", 0)
     read_masks = masks.read(source, tuple(map(str, entry.get("labels", tree.names))), which)
@@ -155,11 +156,12 @@ def _view(path: Path, where: str, given: str | list | None) -> str | None:
     """The word for the view that an image has; FormatError for an unknown name and for what are no angles."""
     if isinstance(given, list):
         try:
-            azimuth, elevation = map(float, given)
-            return by_angles(azimuth, elevation)
-        except (TypeError, ValueError, OverflowError):
-            expected = "azimuth and elevation in degrees, such as [40, 15]"
-            raise FormatError(path, f"{where}view", expected=expected, got=given) from None
+            if len(given) == 2 and all(type(angle) in (int, float) for angle in given):
+                return by_angles(*map(float, given))
+        except (ValueError, OverflowError):
+            pass
+        expected = "azimuth (-360 to 360) and elevation (-90 to 90) in degrees, such as [40, 15]"
+        raise FormatError(path, f"{where}view", expected=expected, got=given)
     if given is not None and given not in NAMED:
         raise FormatError(path, f"{where}unknown view '{given}'{nearest(given, NAMED)}")
     return given
@@ -216,7 +218,7 @@ def _aspects(path: Path, where: str, names: Any, tree: PartTree) -> tuple[int, .
     return tuple(tree.names.index(name) for name in names)
 
 
-def _matches(path: Path, entry: Any, tree: PartTree, names: list[str]) -> PartMatches:
+def _matches(path: Path, entry: Any, tree: PartTree, pictures: Sequence[PartImage]) -> PartMatches:
     where = "matches: "
     if not isinstance(entry, dict):
         raise FormatError(path, f"{where}not a section [[matches]]")
@@ -224,15 +226,19 @@ def _matches(path: Path, entry: Any, tree: PartTree, names: list[str]) -> PartMa
     part, shown = entry.get("part", ""), entry.get("images", [])
     if part not in tree.names:
         raise FormatError(path, f"{where}unknown part '{part}'{nearest(part, tree.names)}")
-    if len(shown) != 2 or len({*shown} & {*names}) != 2:
-        raise FormatError(path, f"{where}two images of {', '.join(names)}", got=shown)
-    try:
-        points = np.array(entry.get("points", []), np.float64).reshape(-1, 4)
-    except (TypeError, ValueError):
-        points = np.zeros((0, 4))
-    if len(points) < LEAST_MATCHES or not np.isfinite(points).all():
-        raise FormatError(
-            path, f"{where}points of {part}", expected=f"{LEAST_MATCHES} or more of [column, row, column, row]",
-            got=len(points),
-        )  # fmt: skip
-    return PartMatches(tree.names.index(part), (shown[0], shown[1]), points.reshape(-1, 2, 2))
+    shapes = {image.name: image.labels.shape for image in pictures}
+    if len(shown) != 2 or shown[0] == shown[1] or not all(name in list(shapes) for name in shown):
+        raise FormatError(path, f"{where}two images of {', '.join(shapes)}", got=shown)
+    rows = entry.get("points", [])
+    if not all(isinstance(row, list) and [type(x) in (int, float) for x in row] == [True] * 4 for row in rows):
+        raise FormatError(path, f"{where}points of {part}", expected="[column, row, column, row] each", got=rows)
+    points = np.array(rows, np.float64).reshape(-1, 2, 2)
+    within = [[0 <= x < shapes[name][1] and 0 <= y < shapes[name][0] for name, (x, y) in zip(shown, pair, strict=True)]
+              for pair in points]  # fmt: skip
+    if not np.all(within):
+        place = rows[int(np.flatnonzero(~np.all(within, axis=1))[0])]
+        raise FormatError(path, f"{where}points of {part}", expected="places within both images", got=place)
+    if min(len(np.unique(points[:, k], axis=0)) for k in (0, 1)) < LEAST_MATCHES:
+        expected = f"{LEAST_MATCHES} or more different ones of [column, row, column, row]"
+        raise FormatError(path, f"{where}points of {part}", expected=expected, got=len(rows))
+    return PartMatches(tree.names.index(part), (shown[0], shown[1]), points)

@@ -6,6 +6,7 @@ scale of a reconstruction from images is arbitrary, so the unit is "colmap unit"
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -48,7 +49,7 @@ def open_colmap(folder: Path, *, depth: str | None = None) -> Views:
         flat = name.replace("/", "_")
         if flat in found:
             raise FormatError(folder / "images", f"two images would be named '{flat}'", fix="Rename one of them")
-        if picture.depth.is_file():
+        if os.path.isfile(picture.depth):  # no error, as Path's has, for a name that no file can have
             found[flat] = picture
     if not found:
         raise FormatError(
@@ -63,7 +64,7 @@ def open_colmap(folder: Path, *, depth: str | None = None) -> Views:
 
     def files(name: str) -> tuple[Path, ...]:
         picture = found[name]
-        seen = (picture.image,) if picture.image.is_file() else ()
+        seen = (picture.image,) if os.path.isfile(picture.image) else ()
         return (picture.depth, *seen, *_model_files(folder))
 
     notes = _left_out(folder, kind, pictures, found, unposed)
@@ -196,7 +197,7 @@ def _camera(image: Any) -> Camera | None:
 
 def _view(name: str, picture: _Picture, with_image: bool) -> View:
     depth = read_depth_map(picture.depth)
-    image = text.image_at(picture.image if with_image and picture.image.is_file() else None, depth.shape)
+    image = text.image_at(picture.image if with_image and os.path.isfile(picture.image) else None, depth.shape)
     return View(
         name, depth, _scaled(picture.intrinsics, picture.size, depth.shape), picture.cam_from_world, image=image
     )

@@ -126,6 +126,8 @@ def calibration(folder: Path, scene: str) -> Calibration:
             fix="Give the calibration file of the rectified images",
         )
     left, right = (matrices[name] for name in wanted)
+    if not np.isfinite([left, right]).all() or min(left[0, 0], left[1, 1], right[0, 0], right[1, 1]) <= 0:
+        raise FormatError(path, "no projection matrices", expected="finite numbers and focal lengths > 0")
     camera = Calibration(left[:, :3], _shift(left), _shift(right))
     if camera.baseline_focal <= 0:
         raise FormatError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable, Mapping
 from collections.abc import Sequence as Ordered
@@ -12,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
+from ipcli.inputs import json_of
 from ipcli.io.files import text
 from ipcli.io.files.images import read_depth
 from ipcli.measurements.names import natural
@@ -149,10 +149,10 @@ def _open3d_camera(path: Path, depth: Path) -> np.ndarray:
     """The camera matrix of Open3D's JSON, column by column there; FormatError when it is of another image size."""
     fix = "Give the camera of the depth images as --intrinsics fx,fy,cx,cy"
     try:
-        given = json.loads(text.read_text(path))
+        given = json_of(text.read_text(path))
         matrix = np.array(given["intrinsic_matrix"], np.float64).reshape(3, 3).T
         size = (int(given["width"]), int(given["height"]))
-    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError, OverflowError) as error:
         raise FormatError(path, f"not a camera of Open3D: {' '.join(str(error).split())}", fix=fix) from None
     height, width = read_depth(depth, MILLIMETRES).shape
     if size != (width, height):

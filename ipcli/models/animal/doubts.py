@@ -6,14 +6,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ipcli.geometry.orthographic import Orthographic
+from ipcli.geometry.orthographic import Orthographic, of_view
 from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal.placing import OBLIQUE
 
+FLAT = "all views look along one line, or nearly: the depth is a guess. Give an image from another direction"
 LEAST_LIKE = 0.7  # share of pixels with the right part, below which an image and the model do not go together
 # Of another pose's model, bent. Of the development pairs of individuals the one that did harm had .74, the one that
 # helped .80; the animal itself in another pose has .80 and more.
 LEAST_BENT = 0.77
+
+
+def beforehand(images: Sequence[PartImage]) -> list[str]:
+    """What the views of the images of one pose tell before any work: that nothing tells the depth."""
+    views = [image.view for image in images if image.view is not None]
+    if len(images) > max(len(views), 1) or _lines([of_view(view)[2] for view in views]) > 1:
+        return []
+    if len(images) == 1:
+        return ["one view alone: the depth, and all that it does not show, is a guess"]
+    return [f"{', '.join(image.name for image in images)}: {FLAT}"]
 
 
 def doubts(
@@ -24,7 +35,7 @@ def doubts(
     face_part: np.ndarray,
     bent_overlap: float | None = None,
 ) -> list[str]:
-    """Images that the model does not look like, declared parts that it lacks, views whose angle nothing tells, and
+    """Images that the model does not look like, declared parts that it lacks, views that do not tell the shape, and
     another pose that does not fit this one.
 
     `overlaps` (k,) are shares of pixels whose part agrees, `face_part` (m,) the part of each face of the model;
@@ -48,8 +59,11 @@ def doubts(
             "If it is another individual, or a limb hides in all images, see whether --other-pose ignore is better"
         )
     searched = [image.name for image in images if image.view is None]
-    named = [camera for image, camera in zip(images, cameras, strict=True) if image.view is not None]
-    if searched and _lines(named) < 2 and _lines(cameras) == 2:
+    directions = [camera.direction for camera in cameras]
+    named = [line for image, line in zip(images, directions, strict=True) if image.view is not None]
+    if searched and len(images) > 1 and _lines(directions) < 2:
+        found.append(f"{', '.join(searched)}: {FLAT}")
+    if searched and _lines(named) < 2 and _lines(directions) == 2:
         found.append(
             f"{', '.join(searched)}: two lines of view do not tell the angle between them: the shape may be sheared. "
             "Give the view (a name, or angles as view = [40, 15]), or an image along a third line"
@@ -57,10 +71,10 @@ def doubts(
     return found
 
 
-def _lines(cameras: Sequence[Orthographic]) -> int:
-    """Number of lines that cameras look along, those that are nearly the same counted once."""
+def _lines(directions: Sequence[np.ndarray]) -> int:
+    """Number of lines among directions (3,) of view, those that are nearly the same counted once."""
     lines: list[np.ndarray] = []
-    for camera in cameras:
-        if all(abs(camera.direction @ line) < OBLIQUE for line in lines):
-            lines.append(camera.direction)
+    for direction in directions:
+        if all(abs(direction @ line) < OBLIQUE for line in lines):
+            lines.append(direction)
     return len(lines)

@@ -20,6 +20,8 @@ from ipcli.models.animal.aspects import completed
 OUTSIDE = np.float32(1e3)  # voxels
 ROUNDS = 2  # of carving: what is cut off one part uncovers others
 PARALLEL = np.cos(np.radians(25.0))  # of two views: closer ones say nothing of each other's depth
+SAME_LINE = 5e-4  # sine of the angle between views that look along one line
+SPARE = 5.0  # voxels around the animal that belong to its grid
 ALONG = 0.96  # cosine of the angle between views that count as one direction
 SHOWN = 0.2  # of the largest area in which a part is seen: less does not tell its outline
 EVIDENCE = 30  # voxels of a part that must show themselves to be asked for its thickness
@@ -41,9 +43,28 @@ def best_image(shots: Sequence[Shot], part: int) -> int:
     return int(np.argmax(areas)) if max(areas) > 0 else -1
 
 
+def is_one_line(directions: Sequence[np.ndarray]) -> bool:
+    """Whether all directions (3,), of length 1, are those of one line, so that nothing tells the depth along it."""
+    return all(np.linalg.norm(np.cross(directions[0], other)) < SAME_LINE for other in directions[1:])
+
+
+def untold_depth(images: Sequence[PartImage], cameras: Sequence[Orthographic]) -> float | None:
+    """How deep an animal is taken to be when all views look along one line: the shorter side of its first silhouette,
+    in world units. None when views along two lines tell.
+    """
+    if not is_one_line([camera.direction for camera in cameras]):
+        return None
+    rows, columns = np.nonzero(images[0].silhouette)
+    return float(min(np.ptp(rows), np.ptp(columns)) / cameras[0].scale)
+
+
 def carve(shots: Sequence[Shot], tree: PartTree) -> list[np.ndarray]:
     """The field (nx, ny, nz) in voxels of where each part may be; OUTSIDE everywhere for a part that no shot shows."""
     whole = hull([s.sight for s in shots], [s.image.silhouette for s in shots])
+    depth = untold_depth([s.image for s in shots], [s.camera for s in shots])
+    if depth is not None:  # rays are cut at a plane across the view, not where they happen to leave the grid
+        half = depth * shots[0].camera.scale / shots[0].sight.pixels / 2
+        whole = np.maximum(whole, np.abs(shots[0].sight.depth) - np.float32(half + SPARE))
     owned = [[shot.sight.silhouette_distance(shot.image.mask(k)) for k in range(len(tree))] for shot in shots]
     seen = [shot.sight.nearest(shot.image.labels) for shot in shots]
     fields = []

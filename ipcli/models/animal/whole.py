@@ -15,7 +15,7 @@ from ipcli.measurements.part_images import PartImage, PartTree, pixels_of
 from ipcli.models.animal import rims, union
 from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.parameters import Modelling, Volume
-from ipcli.models.animal.parts import Shot, carve, rounded
+from ipcli.models.animal.parts import Shot, carve, is_one_line, rounded, untold_depth
 
 MAJORITY = 3  # times that a face takes the part of most of its neighbours
 BESIDE_RIMS = 3.0  # voxels from where a ray comes nearest to a drawn surface: what it lacks is added nearer
@@ -70,11 +70,10 @@ def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels
     """The grid around the visual hull, with so many voxels along its longest side.
 
     Where oblique views leave the hull longer than any silhouette, the longest silhouette counts in its place.
-    A view that nothing bounds along its direction (a single image) is given the depth of the animal's height.
+    Views along one line, which nothing bounds, are given the depth of `parts.untold_depth`.
     """
     middle = np.mean([c.lift(_middle(i.silhouette), 0.0) for i, c in zip(images, cameras, strict=True)], axis=0)
     reach = max(max(image.silhouette.shape) / camera.scale for image, camera in zip(images, cameras, strict=True))
-    single = len({tuple(np.round(np.abs(c.direction), 3)) for c in cameras}) == 1
     rough = VoxelGrid(middle - reach, 2 * reach / COARSE, (COARSE + 1,) * 3)
     field = hull([Sight.of(rough, c) for c in cameras], [i.silhouette for i in images])
     inside = np.argwhere(field < 1.0)
@@ -83,10 +82,15 @@ def grid_of(images: Sequence[PartImage], cameras: Sequence[Orthographic], voxels
             "the silhouettes have nothing in common: check the `view` of each image, and mark what shows another pose "
             'with pose = "other"'
         )
+    depth = untold_depth(images, cameras)
+    if depth is not None:
+        along = cameras[0].depth(rough.origin + rough.spacing * inside)
+        inside = inside[np.abs(along) <= depth / 2 + rough.spacing]
     low = rough.origin + rough.spacing * (inside.min(axis=0) - 1)
     high = rough.origin + rough.spacing * (inside.max(axis=0) + 1)
-    if single:
-        low, high = _shallow(low, high, images[0], cameras[0])
+    axis = int(np.argmax(np.abs(cameras[0].direction)))
+    if depth is not None and is_one_line([cameras[0].direction, np.eye(3)[axis]]):
+        low[axis], high[axis] = -depth / 2, depth / 2
     longest = float((high - low).max())
     shown = max(extent_of(image, camera) for image, camera in zip(images, cameras, strict=True))
     longest = max(min(longest, shown + 4 * rough.spacing), longest / STRETCH)  # the box has two to spare on each side
@@ -103,17 +107,6 @@ def _middle(mask: np.ndarray) -> np.ndarray:
     return np.array([columns.min() + columns.max(), rows.min() + rows.max()]) / 2
 
 
-def _shallow(
-    low: np.ndarray, high: np.ndarray, image: PartImage, camera: Orthographic
-) -> tuple[np.ndarray, np.ndarray]:
-    """The box cut, along the view, to the shorter side of the silhouette."""
-    rows, columns = np.nonzero(image.silhouette)
-    depth = min(np.ptp(rows), np.ptp(columns)) / camera.scale
-    axis = int(np.argmax(np.abs(camera.direction)))
-    low[axis], high[axis] = -depth / 2, depth / 2
-    return low, high
-
-
 def surface(
     fields: Sequence[np.ndarray],
     shots: Sequence[Shot],
@@ -121,12 +114,14 @@ def surface(
     params: Volume,
     is_drawn: bool = False,
 ) -> PartedSurface:
-    """Merge the fields of all parts, round the whole, and mesh it and each part.
+    """Merge the fields of all parts, round the whole, and mesh it and each part. NoSolution if nothing is left.
 
     `is_drawn` says that the fields are those of a surface that was drawn to the outlines: what it lacks of them is
     added there and nowhere else.
     """
     phi = merged(fields, shots, params, BESIDE_RIMS if is_drawn else np.inf)
+    if not (phi < 0).any():
+        raise NoSolution("the masks leave no body: they are too small or too thin, or their views do not fit together")
     solid = level_sets.largest(level_sets.fill(phi < 0))
     phi = np.where(solid, np.minimum(phi, -level_sets.LEAST), np.where(phi < 0, level_sets.LEAST, phi))
     vertices, faces = level_sets.mesh(phi, grid.spacing, grid.origin)

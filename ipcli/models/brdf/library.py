@@ -27,7 +27,15 @@ class Library:
 
     @classmethod
     def of(cls, arrays: Mapping[str, np.ndarray]) -> Library:
-        """From the arrays of a `brdf-library` artefact."""
+        """From the arrays of a `brdf-library` artefact. ValueError for one that was learnt on other statistics of
+        pictures than are taken now, or whose parts do not go together.
+        """
+        for key, known in (("rim_features", FEATURES), ("material_features", STATISTICS)):
+            if arrays[key].tolist() != list(known):
+                raise ValueError(f"{key} are not those of this version")
+        spreads = np.concatenate([arrays["rim_spread"], arrays["material_spread"]])
+        if not len(arrays["charts"]) or len(arrays["rim_weights"]) != 1 + 2 * len(FEATURES) or not (spreads > 0).all():
+            raise ValueError("no maps, or weights that do not go with their statistics")
         judge = Judge(arrays["rim_weights"], arrays["rim_mean"], arrays["rim_spread"])
         materials, probes = (tuple(map(str, arrays[key])) for key in ("materials", "probes"))
         weights, bias, mean, spread = (arrays[f"material_{key}"] for key in ("weights", "bias", "mean", "spread"))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -23,6 +24,8 @@ LOOSE = 50.0  # tolerances: a fusion whose gap ends above that has not converged
 SHIFT_BETTER = 1.15  # the same of poses that are moved on by one view, which changes less; sound sequences reach .99
 OFF_CENTRE = 0.2  # of the width or height: a principal point so far from the middle is doubted
 ONE_FACTOR = 1.15  # both coordinates of the principal point are off by one factor if they differ by no more
+ANOTHER_UNIT = 25.0  # times as far away as in other maps is a surface whose unit is doubted; an inch has 25.4 mm
+UNLIKE = 0.1  # of the median share of points that maps see alike, below which the pose of a map is doubted
 PIXELS = 1_000_000  # of a view that is looked at whole; of a larger one, so many-th rows and columns
 OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
@@ -67,6 +70,29 @@ def geometry_warnings(views: Sequence[View], reference: View) -> list[str]:
     if not others or not np.isfinite(reference.depth).any():
         return found
     return found + (_pose_warnings(others, reference, baseline[others[0].name]) or shift_warnings(seen, reference))
+
+
+def merge_warnings(names: Sequence[str], poses: np.ndarray, depths: np.ndarray, counts: np.ndarray) -> list[str]:
+    """What is odd about maps that were merged, from their cam_from_world (m, 4, 4), the median depth (m,) of each, and
+    its points, those confirmed and those contradicted (m, 3): one camera twice, another unit, a pose that does not fit.
+    """
+    found = []
+    for one, two in combinations(range(len(names)), 2):
+        if np.allclose(poses[one], poses[two], rtol=1e-9, atol=1e-9 * depths[one]):
+            found.append(
+                f"{names[one]} and {names[two]} have one and the same camera, and confirm one another for that. Leave "
+                "one of them out"
+            )
+    shares = counts[:, 1] / np.maximum(counts[:, 0], 1)
+    with_points = np.flatnonzero(counts[:, 0] > 0)
+    for k in with_points.tolist() if len(with_points) > 1 else ():
+        times = float(depths[k] / np.median(depths[with_points[with_points != k]]))
+        if not 1 / ANOTHER_UNIT < times < ANOTHER_UNIT:
+            found.append(f"{names[k]} sees its surface {times:.2g} times as far away as the others: another unit?")
+        elif shares[k] < UNLIKE * np.median(shares[with_points]):
+            alike = f"only {shares[k]:.1%} of its points are seen alike by other maps"
+            found.append(f"{names[k]}: {alike}. Check its pose and unit")
+    return found
 
 
 def thinned(view: View) -> View:

@@ -68,12 +68,15 @@ class Glance:
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """The merged points in world coordinates, and for each map (points, confirmed, contradicted)."""
+    """The merged points in world coordinates, and for each map (points, confirmed, contradicted) and how far away it
+    sees the surface.
+    """
 
     points: SurfacePoints
     spacing: float
     cam_from_world: np.ndarray  # (m, 4, 4) of the maps
     counts: np.ndarray  # (m, 3) int64
+    depths: np.ndarray  # (m,) float64, the median depth of each; 0 without a surface
 
 
 def depth_noise(depth: np.ndarray, residuals: np.ndarray, *, inverse: bool) -> np.ndarray:
@@ -120,7 +123,8 @@ def merge(maps: Sequence[FusedMap], settings: Merge, most: int | None = None) ->
             f"{len(maps) - 1} other maps: check that the maps overlap, or lower --agree or raise --tolerance"
         )
     poses = np.stack([glance.cam_from_world for glance in glances])
-    return Cloud(cells.points().transform(np.linalg.inv(first)), spacing, poses, np.array(counts, np.int64))
+    depths = np.linalg.norm(places[:, 1] - places[:, 0], axis=1)
+    return Cloud(cells.points().transform(np.linalg.inv(first)), spacing, poses, np.array(counts, np.int64), depths)
 
 
 def neighbours(places: np.ndarray, index: int, most: int) -> list[int]:

@@ -7,12 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipcli.geometry.rig import Rig
-from ipcli.measurements.recording import HeadRecording
+from ipcli.measurements.recording import Gaze, HeadRecording
 from ipcli.models.gaze import features, localise, regard
 from ipcli.models.gaze.parameters import Localisation
 
 WIDE = 12.0  # rows searched for partners, so that a bad calibration shows
 VERTICAL = 1.0  # pixels of vertical disparity above which a calibration is doubted
+NEAR, APART = 0.005, 2.0  # metres between the cameras of a rig that nobody doubts
+FAR_OFF = 5.0  # pixels of an offset that no loose mount explains
 FEW = 30  # stereo points below which a pair says nothing
 
 
@@ -68,7 +70,7 @@ def verdict(recording: HeadRecording, found: list[Pair]) -> tuple[dict[str, obje
     if dark:
         words.append(f"{len(dark)} of {len(found)} pictures show nothing, the first is {dark[0]}")
     if recording.is_stereo:
-        words += _stereo(facts, found)
+        words += _stereo(facts, found) + rig_words(localise.rig_of(recording))
     return facts, words + _gaze(facts, recording)
 
 
@@ -102,6 +104,36 @@ def _stereo(facts: dict[str, object], found: list[Pair]) -> list[str]:
     return words
 
 
+def rig_words(rig: Rig) -> list[str]:
+    """What is odd about two cameras on a head: how far apart they are, and on which side, in metres, and by how many
+    pixels the disparities of what they saw are off.
+    """
+    if not rig.is_stereo:
+        return []
+    found = []
+    centre = np.linalg.inv(rig.cam_from_rig[1])[:3, 3]
+    if not NEAR < rig.baseline < APART:
+        found.append(f"the cameras are {rig.baseline:.3g} m apart: is the calibration in another unit than metres?")
+    if -centre[0] > rig.baseline / 2:
+        found.append(
+            "by the calibration the second camera is to the left of the first: exchange the cameras, or invert its pose"
+        )
+    if abs(rig.offset) > FAR_OFF:
+        found.append(
+            f"the disparities are {rig.offset:.1f} px off: the calibration is of another rig, or left and right are "
+            "exchanged"
+        )
+    return found
+
+
+def gaze_words(gaze: Gaze | None) -> list[str]:
+    """Whether pixels of the gaze are but shares of the picture."""
+    known = gaze.pixels[gaze.valid & np.isfinite(gaze.pixels).all(axis=1)] if gaze is not None else np.zeros((0, 2))
+    if len(known) > FEW and known.min() >= 0 and known.max() <= 1:
+        return ["all gaze lies in the first pixel: it is given as shares of the picture; multiply by width and height"]
+    return []
+
+
 def _gaze(facts: dict[str, object], recording: HeadRecording) -> list[str]:
     gaze = recording.gaze
     if gaze is None or not len(gaze.times):
@@ -117,7 +149,7 @@ def _gaze(facts: dict[str, object], recording: HeadRecording) -> list[str]:
         "valid gaze samples": round(float(gaze.valid.mean()), 3),
         "gaze inside the picture": round(float(inside.mean()), 3),
     }
-    words = []
+    words = gaze_words(gaze)
     if paired.mean() < 0.5:
         words.append(
             f"{100 * paired.mean():.0f} % of the gaze has a frame of its time: check the clocks (--gaze-shift)"

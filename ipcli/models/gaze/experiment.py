@@ -10,7 +10,7 @@ from ipcli.errors import NoSolution
 from ipcli.geometry import lie
 from ipcli.geometry.rig import Rig
 from ipcli.measurements.recording import Camera, Frame, Gaze, HeadRecording
-from ipcli.models.gaze import attention, evaluation, fixations, localise
+from ipcli.models.gaze import attention, checks, evaluation, fixations, localise
 from ipcli.models.gaze.features import StereoFeatures
 from ipcli.models.gaze.known_map import KnownMap
 from ipcli.models.gaze.localise import Path
@@ -22,6 +22,7 @@ from ipcli.progress import Progress, portion, silent
 PICTURES = 16  # frames kept to be shown
 WIDTH = 360  # pixels of those
 SHOWN = 15  # points of regard drawn in a frame, as the thesis has them
+NO_GAZE = "no gaze is used: there are no points of regard, and the head's direction splits the subsequences"
 COMMON = (
     0.5  # share of a gaze error that all samples of a fixation have in common (calibration), where none is measured
 )
@@ -270,11 +271,11 @@ def notes(recording: HeadRecording, path: Path) -> list[str]:
     if lost:
         found.append(f"{len(lost)} of {len(path.tracks)} frames are lost; the first: {lost[0].reason}")
     if recording.gaze is None:
-        found.append("no gaze is used: there are no points of regard, and the head's direction splits the subsequences")
+        found.append(NO_GAZE)
     vertical = float(np.nanmedian([track.vertical for track in path.tracks])) if path.rig.is_stereo else 0.0
     if abs(vertical) > 1.0:
         found.append(f"rows of the two cameras differ by {vertical:.2f} px: the calibration may be of another rig")
-    return found
+    return found + checks.rig_words(path.rig) + checks.gaze_words(recording.gaze)
 
 
 def gathered(a: Arrays) -> Arrays:

@@ -15,6 +15,8 @@ from ipcli.report.kit.provenance import origin
 
 TIED = 0.1  # difference of the two energies over their mean below which one picture does not tell
 OPEN = (0.1, 0.9)  # probabilities of a cut edge between which both answers are shown
+FLAT = 0.01  # of the mean brightness: a picture that varies less says nothing
+BURNT = 0.3  # share of saturated pixels from which on little of the shading is left
 BRIGHT = 0.02  # share of saturated pixels that is worth a word
 POORLY = 0.12  # mean residual, in bright values of the picture, from which the light explains the picture poorly
 
@@ -88,6 +90,14 @@ def doubts(arrays: Mapping[str, np.ndarray]) -> list[str]:
             f"the mask runs along {along} pixels of the picture's border: that cut is taken for an outline, and the "
             "surface bends away there"
         )
+    light = arrays["intensity"][np.isfinite(arrays["intensity"])]
+    if float(np.std(light)) < FLAT * float(np.mean(light)):
+        found.append("the object has one brightness all over: nothing in the picture tells its shape or material")
+    elif float(arrays["saturated"]) > BURNT:
+        found.append(
+            f"{percent(float(arrays['saturated']))} of the object is saturated, so that the picture hardly tells its "
+            "shape and material: a shorter exposure does"
+        )
     if is_poor(arrays):
         found.append(
             f"one material under one light explains the picture poorly (residual "
@@ -109,7 +119,7 @@ def warnings(arrays: Mapping[str, np.ndarray]) -> list[str]:
             "is lit from above stands out) decides"
         )
     found += doubts(arrays)
-    if float(arrays["saturated"]) > BRIGHT:
+    if BRIGHT < float(arrays["saturated"]) <= BURNT:
         found.append(
             f"{percent(float(arrays['saturated']))} of the object is saturated; a shorter exposure would tell more"
         )

@@ -28,6 +28,7 @@ def page(arrays: Mapping[str, np.ndarray], provenance: Mapping[str, Any], *, wid
         if count
         else "The cloud is empty."
     )
+    verdict += "".join(f" Warning: {warning}." for warning in arrays.get("warnings", np.array([])).tolist())
     title = f"One cloud of {len(arrays['maps'])} fused maps"
     return document(
         title,

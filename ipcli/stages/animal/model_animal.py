@@ -24,7 +24,7 @@ from ipcli.io.parts.project import Project
 from ipcli.measurements.part_images import PartImage, folded, oddities, told
 from ipcli.models.animal import whole
 from ipcli.models.animal.aspects import lift_all
-from ipcli.models.animal.doubts import doubts
+from ipcli.models.animal.doubts import beforehand, doubts
 from ipcli.models.animal.merging import Overlay, alike, merged
 from ipcli.models.animal.parameters import Inflation, Modelling, Registration, Volume
 from ipcli.models.animal.placing import placed
@@ -71,8 +71,8 @@ def run(source: Path, output: Path, params: ModelAnimal, run: Run, progress: Pro
     animal = project.read(source)
     for line in folded(oddities(animal.images, animal.tree)):  # the page has the harmless ones too
         log.warning("%s: %s", source.name, line)
-    if sum(image.is_reference for image in animal.images) == 1:
-        log.warning("%s: one view alone: the depth, and all that it does not show, is a guess", source.name)
+    for line in beforehand([image for image in animal.images if image.is_reference]):
+        log.warning("%s: %s", source.name, line)
     steps = artefact.with_suffix(".steps")
     aspects, components = steps / "aspects.h5", steps / "components.h5"
     job = Job(artefact, "animal-model", "model-animal", params, (*animal.files, aspects, components), beside)
@@ -226,7 +226,7 @@ def model_artefact(animal: Project, aspects: Path, components: Path, params: Mod
             "face_part": surface.face_part,
             "seen_by": whole.seen_by(surface, images, cameras),
             "views": np.array([image.view or "" for image in images]),
-            "doubts": np.array(doubtful, dtype=np.str_).reshape(-1),
+            "doubts": np.array([*beforehand(images), *doubtful], dtype=np.str_).reshape(-1),
             "warnings": np.array(told(oddities(animal.images, animal.tree)), dtype=np.str_).reshape(-1),
         }
         | _cameras(images, cameras)

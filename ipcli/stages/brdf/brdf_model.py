@@ -101,7 +101,10 @@ def library_of(path: Path) -> Library:
     if path.suffix.lower() == ".toml":
         fix = f"Learn the library first: brdf-train {path.name} -o {path.stem}.h5"
         raise FormatError(path, "a list of materials, not a library", expected="what brdf-train wrote (.h5)", fix=fix)
-    return Library.of(h5.read(path, "brdf-library").arrays)
+    try:
+        return Library.of(h5.read(path, "brdf-library").arrays)
+    except ValueError as error:
+        raise FormatError(path, f"a library that cannot be used: {error}", fix="Learn it again by brdf-train") from None
 
 
 def box_of(mask: np.ndarray) -> tuple[slice, slice]:

@@ -4,6 +4,7 @@ probes.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -105,7 +106,7 @@ def _beside(path: Path, name: Any, what: str) -> Path:
     if not isinstance(name, str) or "\0" in name:
         raise FormatError(path, f"{what}: not the name of a file", got=repr(name))
     found = path.parent / name
-    if not found.is_file():
+    if not os.path.isfile(found):  # no error, as Path's has, for a name that no file can have
         raise FormatError(path, f"{what}: no such file as {found}")
     return found
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ipcli.errors import FormatError, ParameterError
 from ipcli.io.files import h5, ply
+from ipcli.models.fusion.checks import merge_warnings
 from ipcli.models.fusion.holes import SEEN
 from ipcli.models.fusion.merge import Cloud, FusedMap, depth_noise, merge
 from ipcli.params import Run
@@ -23,6 +24,7 @@ from ipcli.stages.kit.artefact import Job, Outcome, make
 from ipcli.stages.kit.pages import page, turning_page
 from ipcli.stages.kit.summary import Figure, of_result
 
+log = logging.getLogger(__name__)
 NEEDED = {
     "depth",
     "confidence",
@@ -69,15 +71,17 @@ def run(files: Sequence[Path], output: Path, params: MergeDepth, run: Run) -> Ou
 @of_result
 def summary(output: Path) -> dict[str, Any]:
     """The few figures a person wants of a merged cloud."""
-    counted = ("views", "spacing", "unit", "map_points", "map_confirmed")
+    counted = ("views", "spacing", "unit", "map_points", "map_confirmed", "warnings")
     found = h5.read(output.with_suffix(".h5"), "fusion-cloud", only=lambda name: name in counted).arrays
     spacing, unit, views = float(found["spacing"]), str(found["unit"]), found["views"]
     share = float(found["map_confirmed"].sum() / max(found["map_points"].sum(), 1))
+    warnings = found["warnings"].tolist() if "warnings" in found else []
     return {
         "points": len(views),
         "spacing": Figure({"value": spacing, "unit": unit}, f"{spacing:.3g} {unit}"),
         "confirmed": Figure(share, f"{share:.1%} of the pixels of {len(found['map_points'])} maps"),
         "maps_a_point": Figure(float(np.median(views)) if len(views) else None, f"{np.median(views):.0f} (median)"),
+        **({"warnings": Figure(warnings, "; ".join(warnings))} if warnings else {}),
     }
 
 
@@ -142,6 +146,10 @@ def cloud_arrays(cloud: Cloud, files: Sequence[Path], unit: str) -> dict[str, np
         "map_contradicted": counts[:, 2],
         "unit": np.array(unit),
     }
+    if warnings := merge_warnings([path.name for path in files], cloud.cam_from_world, cloud.depths, counts):
+        arrays["warnings"] = np.array(warnings)
+    for warning in warnings:
+        log.warning("%s", warning)
     return arrays | ({} if points.color is None else {"colors": points.color})
 
 

@@ -17,7 +17,7 @@ from ipcli.io.gaze.picture_model import read_picture_model
 from ipcli.models.gaze import known_map, world
 from ipcli.models.gaze.areas import attention
 from ipcli.models.gaze.evaluation import summary as figures
-from ipcli.models.gaze.experiment import experiment
+from ipcli.models.gaze.experiment import NO_GAZE, experiment
 from ipcli.models.gaze.known_map import KnownMap
 from ipcli.params import Run
 from ipcli.progress import Progress, silent
@@ -53,6 +53,10 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
 
     def build() -> dict[str, np.ndarray]:
         found = experiment(recording, params.localisation, run.seed, progress, load_map() if load_map else None)
+        said = {*recording.dropped, *(recording.gaze.dropped if recording.gaze else ()), NO_GAZE}
+        for note in found["notes"].tolist():
+            if note not in said:
+                log.warning("%s: %s", source, note)
         if marks is not None:
             found = world.laid_on(found, marks, with_scale=params.world_scale)
         if areas is not None:

@@ -90,6 +90,7 @@ def make_resumable(job: Job, build: Callable[[Checkpoint], Arrays], run: params.
     log.log(logging.WARNING if run.dry_run else logging.INFO, "%s: run, since %s", job.output, reason)
     if run.dry_run:
         return Outcome.WOULD_RUN
+    outputs.check_writable(job.output)
     arrays = build(work)
     outputs.check_unchanged(before, dict(zip(job.inputs, (item["sha256"] for item in record["inputs"]), strict=True)))
     files = _publish(job, arrays, record, standing)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,6 +48,16 @@ def check_place(path: Path, *, folder: bool = False) -> None:
     nearest = next(parent for parent in path.absolute().parents if os.path.lexists(parent))
     if not nearest.is_dir():
         raise ParameterError(f"{path}: {nearest} is no folder. Give another name")
+
+
+def check_writable(path: Path) -> None:
+    """Raise ParameterError if no file can be made where `path` would be, before hours of work; nothing stays there."""
+    nearest = next(parent for parent in path.absolute().parents if os.path.lexists(parent))
+    try:
+        tempfile.TemporaryFile(dir=nearest).close()
+    except OSError as error:
+        words = f"{nearest} cannot be written to ({error.strerror})"
+        raise ParameterError(f"{path}: {words}. Give a name in another folder") from None
 
 
 def _is_within(path: Path, source: Path) -> bool:

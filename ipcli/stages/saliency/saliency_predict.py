@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -27,6 +28,7 @@ from ipcli.stages.kit.pages import page, turning_page
 from ipcli.stages.kit.summary import of_result
 from ipcli.stages.saliency.parameters import SaliencyPredict
 
+log = logging.getLogger(__name__)
 KIND = "saliency-maps"
 FEWEST = 100  # points of a surface
 MOST_TURNED = 150_000  # triangles, or points, of a page to be turned
@@ -182,6 +184,8 @@ def predicted(
     found = map_items(partial(_of_picture, files, known, params.largest), list(files), run.executor, progress)
     arrays = {"model": np.array(model.name if model else image_model.UNTRAINED)}
     for name, (picture, saliency) in found.items():
+        if np.ptp(saliency) == 0:
+            log.warning("%s: nothing stands out: its map is flat and tells nothing", files[name])
         arrays |= {f"pictures/{name}/picture": picture, f"pictures/{name}/map": saliency}
     return arrays
 

@@ -1,5 +1,9 @@
 """Scratch files give back what was put there, by rectangles, and leave nothing behind."""
 
+import errno
+import io
+import os
+
 import numpy as np
 import pytest
 
@@ -22,3 +26,16 @@ def test_a_rectangle_is_that_of_the_array_and_nothing_is_left_in_the_folder(tmp_
         assert not list((tmp_path / "new").iterdir())
     with pytest.raises(KeyError):
         files.get("a")
+
+
+def test_a_full_disk_is_told_with_its_folder(tmp_path, monkeypatch):
+    class Full(io.BytesIO):
+        def write(self, data):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(scratch.tempfile, "TemporaryFile", lambda dir: Full())
+    with (
+        scratch.ScratchFiles(tmp_path) as files,
+        pytest.raises(OSError, match=r"No space left on device: '.*test_a_full_disk"),
+    ):
+        files.put("a", np.zeros((2, 2)))

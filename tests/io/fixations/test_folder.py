@@ -26,6 +26,7 @@ def test_points_and_observers_come_back_by_picture(tmp_path):
         ("picture,x,y\np0.png\n", "line 2"),
         ("picture,x,y\n../p0.png,1,2\n", "not the name of a picture"),
         ("picture,x,y\np9.png,1,2\n", "no such picture"),
+        (f"picture,x,y\n{'x' * 5000},1,2\n", "no such picture"),
         ("picture,x,y\n", "no fixations"),
         ("", "no column"),
     ],

@@ -34,7 +34,7 @@ def test_points_count_from_0_and_observers_are_told_apart(tmp_path):
     assert picture.read().shape == (8, 30, 3)
 
 
-@pytest.mark.parametrize("name", ["1002.jpg", "../1001.jpg"])
+@pytest.mark.parametrize("name", ["1002.jpg", "../1001.jpg", "x" * 5000])
 def test_a_picture_that_is_not_there_is_named(tmp_path, name):
     with pytest.raises(FormatError, match="picture"):
         open_fixations(write(tmp_path, name))

@@ -49,6 +49,12 @@ def test_a_model_without_its_pictures_and_pictures_without_a_model_are_refused(f
         read_picture_model(tmp_path / "other", folder)
 
 
+def test_a_name_that_no_file_can_have_is_that_of_no_picture(folder):
+    pytest.importorskip("pycolmap")
+    (folder / "images.txt").write_text(IMAGES.replace("a.png", "x" * 5000))
+    assert [shown.tolist() for shown in read_picture_model(folder, folder).shown] == [[1]]
+
+
 def test_a_name_that_leads_out_of_the_folder_is_not_followed(folder, tmp_path):
     pytest.importorskip("pycolmap")
     (folder / "images.txt").write_text(IMAGES.replace("a.png", "../" + folder.name + "/a.png"))

@@ -96,3 +96,26 @@ def test_a_map_of_another_kind_is_refused_by_its_suffix(tmp_path):
     (tmp_path / "n.mat").write_bytes(b"MATLAB 5.0 MAT-file")
     with pytest.raises(FormatError, match=r"expected \.npy, \.npz or \.png, got \.mat"):
         photographs.read_height(tmp_path / "n.mat", (20, 30))
+
+
+def test_a_mask_that_is_not_finite_is_refused(tmp_path):
+    import cv2
+
+    plane = np.zeros((20, 30), np.float32)
+    plane[4:15, 5:25] = 255
+    plane[0, 0] = np.nan
+    cv2.imwrite(str(tmp_path / "m.tiff"), plane)
+    with pytest.raises(FormatError, match="not finite"):
+        photographs.read_mask(tmp_path / "m.tiff", plane.shape)
+
+
+def test_a_photograph_is_turned_as_its_camera_says(tmp_path):
+    from PIL import Image
+
+    left_dark = Image.fromarray(np.repeat(np.linspace(20, 200, 32).astype(np.uint8)[None, :, None], 16, 0).repeat(3, 2))
+    turned = left_dark.getexif()
+    turned[0x0112] = 6  # the top of the scene is on the right
+    left_dark.save(tmp_path / "a.jpg", exif=turned, quality=95)
+    shown = images.read_stored(tmp_path / "a.jpg")
+    assert shown.shape == (32, 16, 3)
+    assert shown[0].mean() < 30 < 180 < shown[-1].mean()

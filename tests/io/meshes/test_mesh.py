@@ -29,6 +29,9 @@ def test_several_objects_are_one_mesh(tmp_path):
     [
         ("x.stl", b"", "expected .ply or .obj or .off, got .stl"),
         ("x.off", b"OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "3 vertices and 2 faces are said, but 4 lines"),
+        ("x.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 2 1\n", "3 vertices and 1 faces are said, but 5"),
+        ("x.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n1000000000 0 1 2\n", "1000000000 corners with 3 numbers"),
+        ("x.off", b"OFF\n1000000000000 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "1000000000000 vertices"),
         ("x.off", b"OFF\n", "cannot be read"),
         ("x.off", b"", "cannot be read"),
         ("x.ply", b"ply\nformat ascii 1.0\nelement ver", "cannot be read"),

@@ -59,6 +59,7 @@ def test_labelme_polygons_and_rectangles(tmp_path):
         "", "[]", "{", "[" * 5000, labelme([]), labelme([{"label": "a", "points": [[0, 0]]}]),
         labelme([{"label": "a", "points": [[0, 0], [1, float("nan")], [2, 2]]}]),
         labelme([{"label": "a", "points": [[0, 0], [1, 0], [2, 2]]}], height=0),
+        labelme([{"label": "a", "points": [[0, 0], [1, 10**400], [2, 2]]}]),
         labelme([{"label": "a", "points": [[0, 0], [1, 0], [2, 2]]}], height=10**6, width=10**6),
     ],
 )  # fmt: skip

@@ -42,6 +42,14 @@ def test_a_view_may_be_given_by_its_angles(tmp_path):
     assert image.view == "40,15.5"
 
 
+@pytest.mark.parametrize(
+    "angles", ["[nan, 5]", "[inf, 0]", '["40", "15"]', "[true, false]", "[40]", "[1, 2, 3]", "[0, 91]"]
+)
+def test_what_are_no_angles_of_a_view_is_refused(tmp_path, angles):
+    with pytest.raises(FormatError, match="azimuth"):
+        project.read(written(tmp_path, PARTS + IMAGE.replace('"left"', angles)))
+
+
 def test_names_are_translated_and_dropped(tmp_path):
     text = '[parts]\nbody = ""\n' + IMAGE + 'labels = ["torso", "head"]\nrename = { torso = "body", head = "" }\n'
     (image,) = project.read(written(tmp_path, text)).images
@@ -60,8 +68,8 @@ def test_names_are_translated_and_dropped(tmp_path):
         (PARTS + '[[images]]\nview = "left"\n', "no masks"),
         (PARTS + '[[images]]\nmasks = "b.png"\n', "b.png"),
         (PARTS + IMAGE.replace("left", "lift"), "did you mean 'left'"),
-        (PARTS + IMAGE.replace('"left"', "[40]"), "azimuth and elevation"),
-        (PARTS + IMAGE.replace('"left"', "[40, 120]"), "azimuth and elevation"),
+        (PARTS + IMAGE.replace('"left"', "[40]"), "azimuth .* and elevation"),
+        (PARTS + IMAGE.replace('"left"', "[40, 120]"), "azimuth .* and elevation"),
         (PARTS + IMAGE + IMAGE, "two images"),
         (PARTS + IMAGE + 'pose = "other"\n', "reference pose"),
         (PARTS + IMAGE + 'aspects = ["tail"]\n', "unknown part 'tail'"),
@@ -70,6 +78,8 @@ def test_names_are_translated_and_dropped(tmp_path):
         ("size = true\n" + PARTS + IMAGE, "size"),
         ('[parts]\ntorso = ""\n' + IMAGE + 'labels = ["torso", "horn"]\n', "unknown part 'horn'"),
         ("x = [" * 3000, "TOML"),
+        ("size = 1" + "0" * 400 + "\n" + PARTS + IMAGE, "more than 64 bits"),
+        (PARTS + IMAGE.replace("a.png", "x" * 5000), "no such file"),
     ],
 )
 def test_errors_name_the_file_and_the_part(tmp_path, text, words):
@@ -104,6 +114,9 @@ def test_matches_of_two_images(tmp_path):
     assert (found.part, found.images) == (1, ("a", "b"))
     assert found.points[1].tolist() == [[5, 6], [7, 8]]
     for old, new, words in (('"head"', '"haed"', "did you mean 'head'"), ('"b"]', '"c"]', "two images of a, b"),
-                            (", [1, 1, 1, 1]", "", "4 or more")):  # fmt: skip
+                            (", [1, 1, 1, 1]", "", "4 or more"), ("[1, 1, 1, 1]", "[9, 8, 7, 6]", "4 or more"),
+                            ('["a", "b"]', '[["a"], ["b"]]', "two images"), ("[1, 1, 1, 1]", "[1, 1]", "row] each"),
+                            ("[1, 1, 1, 1]", "[1, nan, 1, 1]", "within both"), ("[9, 8, 7, 6]", "[9, 8, 7, 60]", "60"),
+                            ("[[1, 2, 3, 4]", "[[1, 2, 3], [4, 1, 2]", "each")):  # fmt: skip
         with pytest.raises(FormatError, match=words):
             project.read(written(tmp_path, two + MATCHES.replace(old, new)))

@@ -4,7 +4,7 @@ import numpy as np
 
 from ipcli.geometry.orthographic import Orthographic, of_view
 from ipcli.measurements.part_images import PartImage, PartTree
-from ipcli.models.animal.doubts import doubts
+from ipcli.models.animal.doubts import beforehand, doubts
 
 TREE = PartTree(("torso", "head"), (-1, 0), (1.0, 1.0))
 BOTH = np.array([0, 1])
@@ -47,3 +47,22 @@ def test_two_lines_of_view_do_not_tell_their_angle():
     assert not said(("left", "40,15"))
     assert not said(("left", "front", "40,15"), given=("left", "front"))
     assert not said(("left", "front", "40,15"), given=("left",))
+
+
+def images_from(views):
+    return [PartImage(f"image {k}", np.ones((2, 2), np.int16), view) for k, view in enumerate(views)]
+
+
+def test_views_along_one_line_do_not_tell_the_depth():
+    for views in (("left", "right"), ("left", "left"), ("left", "88,0"), ("45,0", "225,0"), ("45,30", "60,30")):
+        (words,) = beforehand(images_from(views))
+        assert words.startswith("image 0, image 1: all views look along one line")
+    for views in (("left",), ("45,0",), (None,)):
+        assert beforehand(images_from(views))[0].startswith("one view alone")
+    for views in (("left", "front"), ("left", "135,0"), ("left", None), (None, None)):
+        assert beforehand(images_from(views)) == []
+
+
+def test_a_camera_that_is_found_along_the_line_of_the_others_does_not_tell_the_depth():
+    (words,) = said(("left", "right", "88,2"), given=("left", "right"))
+    assert words.startswith("88,2: all views look along one line")

@@ -101,6 +101,32 @@ def test_silhouettes_without_a_common_body_have_no_solution(taken):
         whole.grid_of([image, other], [camera, apart], 40)
 
 
+def test_a_single_view_from_any_angle_is_the_model_of_that_view_turned(taken):
+    image = taken[0][0]
+    sizes = []
+    for view in ("left", "45,0", "60,30"):
+        (camera,) = cm.align([image.silhouette], [of_view(view)])
+        surface = whole.model([image], [camera], limbs.TREE, QUICK)
+        sizes.append(np.ptp(surface.vertices @ camera.rotation.T, axis=0))
+    assert sizes[1] == pytest.approx(sizes[0], rel=0.1)
+    assert sizes[2] == pytest.approx(sizes[0], rel=0.1)
+
+
+def test_two_views_across_one_another_are_not_one_line(taken):
+    image = taken[0][0]
+    cameras = cm.align([image.silhouette] * 2, [of_view("45,0"), of_view("135,0")])
+    grid = whole.grid_of([image] * 2, cameras, 40)
+    size = grid.spacing * np.array(grid.shape)
+    assert size[0] == pytest.approx(size[1], rel=0.1)
+
+
+def test_masks_that_leave_no_body_have_no_solution(taken):
+    image = replace(taken[0][0], labels=np.ones((1, 1), np.int16))
+    cameras = cm.align([image.silhouette] * 2, [of_view("left"), of_view("front")])
+    with pytest.raises(NoSolution, match="no body"):
+        whole.model([image] * 2, cameras, limbs.TREE, QUICK)
+
+
 def test_seen_by_counts_the_images_that_see_a_vertex(taken):
     images, truth = zip(*taken[:1], strict=True)
     vertices, faces, labels = limbs.mesh()

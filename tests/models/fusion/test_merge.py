@@ -11,6 +11,7 @@ from ipcli.errors import NoSolution, ParameterError
 from ipcli.geometry.cameras import transform
 from ipcli.geometry.surface import normals
 from ipcli.measurements.views import View
+from ipcli.models.fusion.checks import merge_warnings
 from ipcli.models.fusion.merge import FusedMap, Glance, confirmed, depth_noise, merge, neighbours
 from ipcli.models.fusion.parameters import Merge
 from tests.fixtures.fusion_scenes import WALL, distance, pose_at, scene
@@ -135,6 +136,39 @@ def test_neighbours_are_those_that_look_at_the_same_place_from_near_by():
 def test_without_enough_maps_that_agree_there_is_no_solution():
     with pytest.raises(NoSolution, match="2 maps, and .* by 2 others: give more, or lower --agree"):
         merge(maps(2), SETTINGS)
+
+
+def warned(*given, settings=SETTINGS):
+    cloud = merge(given, settings)
+    names = [f"map {k}" for k in range(len(given))]
+    return merge_warnings(names, cloud.cam_from_world, cloud.depths, cloud.counts)
+
+
+def test_sound_maps_are_merged_without_a_word():
+    assert warned(*maps()) == []
+
+
+def test_a_map_given_twice_is_told():
+    one, two, *_ = maps()
+    (words,) = warned(one, two, replace(one), settings=Merge(agree=1))
+    assert words.startswith("map 0 and map 2 have one and the same camera")
+
+
+def test_a_map_in_another_unit_is_told():
+    *sound, last = maps()
+    pose = last.cam_from_world.copy()
+    pose[:3, 3] *= 1000
+    (words,) = warned(*sound, replace(last, depth=1000 * last.depth, noise=1000 * last.noise, cam_from_world=pose))
+    assert words.startswith("map 5 sees its surface")
+    assert words.endswith("another unit?")
+
+
+def test_a_map_whose_pose_does_not_fit_is_told():
+    *sound, last = maps()
+    pose = last.cam_from_world.copy()
+    pose[:3, 3] += [0, 0, 3]
+    (words,) = warned(*sound, replace(last, cam_from_world=pose))
+    assert words.startswith("map 5: only 0.")
 
 
 def test_noise_of_disparities_grows_with_the_square_of_the_depth():

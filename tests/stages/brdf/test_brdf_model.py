@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ipcli.cli.main import main
+from ipcli.errors import FormatError
 from ipcli.io.files import h5, images, ply
 from ipcli.io.materials import photographs
 from ipcli.stages.brdf import brdf_model
@@ -129,3 +130,22 @@ def test_a_list_of_materials_or_a_lacking_library_is_told_from_a_library(made, t
     assert "brdf-train materials.toml -o materials.h5" in told
     assert main(["brdf-model", *words]) == 2
     assert "two files are needed, LIBRARY (of brdf-train) and PHOTO" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda a: {"rim_features": a["rim_features"][::-1]},
+        lambda a: {"material_features": np.char.add(a["material_features"], "2")},
+        lambda a: {"rim_weights": a["rim_weights"][:-1]},
+        lambda a: {"material_spread": 0 * a["material_spread"]},
+        lambda a: {key: a[key][:0] for key in ("charts", "chart_material", "chart_probe", "chart_heading")},
+    ],
+    ids=["order", "names", "weights", "spread", "empty"],
+)
+def test_a_library_whose_parts_do_not_go_together_is_refused(tmp_path, change):
+    found = h5.read(brdf_scenes.library(tmp_path / "lib.h5"), "brdf-library")
+    assert brdf_model.library_of(tmp_path / "lib.h5").probes
+    h5.write(tmp_path / "bad.h5", "brdf-library", dict(found.arrays) | change(found.arrays), found.provenance)
+    with pytest.raises(FormatError, match="cannot be used"):
+        brdf_model.library_of(tmp_path / "bad.h5")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 import numpy as np
 import pytest
 
@@ -130,6 +132,17 @@ def test_maps_in_different_units_are_refused(files, tmp_path):
     ):
         merge_depth.run([*files, *other], tmp_path / "x.ply", MergeDepth(), Run())
     assert not (tmp_path / "x.ply").exists()
+
+
+def test_a_copy_of_a_map_is_told_on_the_console_in_the_artefact_and_on_the_page(files, tmp_path, caplog):
+    copy = tmp_path / "copy.fused.h5"
+    shutil.copy(files[0], copy)
+    merge_depth.run([*files, copy], tmp_path / "x.h5", MergeDepth(), Run())
+    found = h5.read(tmp_path / "x.h5", "fusion-cloud").arrays["warnings"].tolist()
+    assert found == [record.getMessage() for record in caplog.records if "one and the same camera" in record.message]
+    assert len(found) == 1
+    assert found[0] in (tmp_path / "x.html").read_text()
+    assert merge_depth.summary(tmp_path / "x.h5")["warnings"].value == found
 
 
 def test_another_suffix_is_refused(files, tmp_path):

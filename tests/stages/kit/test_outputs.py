@@ -1,5 +1,6 @@
 """Nothing is lost: no run replaces an input, nor a file that it did not make itself under that very name."""
 
+import errno
 import json
 import os
 import signal
@@ -171,6 +172,23 @@ def test_folders_pipes_and_standard_output_are_no_places_for_a_file(tmp_path):
         outputs.check_place(tmp_path / "-")
     with pytest.raises(ParameterError, match="is a file, but the results go into a folder"):
         outputs.check_place(tmp_path / "file", folder=True)
+
+
+def test_a_folder_that_cannot_be_written_to_is_refused_before_any_work(tmp_path, monkeypatch):
+    asked = []
+
+    def refuse(dir):
+        asked.append(dir)
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    def work():
+        raise AssertionError("the work was begun")
+
+    monkeypatch.setattr(outputs.tempfile, "TemporaryFile", refuse)
+    with pytest.raises(ParameterError, match="cannot be written to .Read-only file system"):
+        make(Job(tmp_path / "new" / "x.h5", "views", "test", Size(), ()), work, Run())
+    assert asked == [tmp_path]
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("overwrite", [False, True], ids=["same", "other parameters"])

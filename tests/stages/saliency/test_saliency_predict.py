@@ -30,6 +30,15 @@ def test_large_pictures_are_kept_smaller_and_two_of_one_stem_apart(tmp_path):
     assert h5.read(tmp_path / "x.h5", "saliency-maps").arrays["pictures/a/picture"].shape == (48, 64, 3)
 
 
+def test_a_picture_of_one_colour_is_told_to_have_a_flat_map(tmp_path, caplog):
+    rng = np.random.default_rng(0)
+    images.write_png(tmp_path / "all" / "grey.png", np.full((60, 80, 3), 128, np.uint8))
+    images.write_png(tmp_path / "all" / "busy.png", rng.integers(0, 255, (60, 80, 3), np.uint8))
+    saliency_predict.run(tmp_path / "all", tmp_path / "a.h5", None, SaliencyPredict(), Run())
+    (said,) = [record.getMessage() for record in caplog.records if "nothing stands out" in record.getMessage()]
+    assert said.startswith(str(tmp_path / "all" / "grey.png"))
+
+
 def test_a_mesh_keeps_its_triangles_and_gets_normals(tmp_path):
     import trimesh
 
