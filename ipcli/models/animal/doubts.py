@@ -12,9 +12,7 @@ from ipcli.models.animal.placing import OBLIQUE
 
 FLAT = "all views look along one line, or nearly: the depth is a guess. Give an image from another direction"
 LEAST_LIKE = 0.7  # share of pixels with the right part, below which an image and the model do not go together
-# Of another pose's model, bent. Of the development pairs of individuals the one that did harm had .74, the one that
-# helped .80; the animal itself in another pose has .80 and more.
-LEAST_BENT = 0.77
+LEAST_BENT = 0.6  # of another pose's model, bent: a wrong camera has less; what other individuals cost it does not tell
 
 
 def beforehand(images: Sequence[PartImage]) -> list[str]:
@@ -56,7 +54,7 @@ def doubts(
     if bent_overlap is not None and bent_overlap < LEAST_BENT:
         found.append(
             f"the animal of the other pose, bent, covers only {100 * bent_overlap:.0f} % of the parts in the images. "
-            "If it is another individual, or a limb hides in all images, see whether --other-pose ignore is better"
+            "Check the view of each image, and see whether --other-pose ignore is better"
         )
     searched = [image.name for image in images if image.view is None]
     directions = [camera.direction for camera in cameras]
