@@ -16,6 +16,7 @@ from ipcli.errors import ParameterError, nearest
 from ipcli.models.mocap.parameters import SPLIT_KINDS
 
 KINDS = SPLIT_KINDS
+PARTING = ("subjects", "leave-one-out", "one-to-rest")  # the kinds that part people
 MOST_FRAMES = 800  # of an action, drawn at random (thesis 5.5)
 
 
@@ -53,10 +54,14 @@ def make(
     """
     if kind not in KINDS:
         raise ParameterError(f"unknown split '{kind}'{nearest(kind, KINDS)} Known: {', '.join(KINDS)}")
-    if kind in ("subjects", "leave-one-out", "one-to-rest") and not (frames.actor != "").any():
+    if kind in PARTING and not (frames.actor != "").any():
         raise ParameterError(
             f"the clips do not say who moves, and split '{kind}' parts people. Name them by folders LABEL/ACTOR/ or by "
             "a manifest, or give --split clips"
+        )
+    if kind in PARTING and len(np.unique(frames.actor)) == 1:
+        raise ParameterError(
+            f"all clips are of '{frames.actor[0]}', and split '{kind}' parts people. Give others' clips, or --split clips"
         )
     found = {
         "frames": lambda: [random_frames(frames, rng)],

@@ -93,10 +93,11 @@ def test_what_cannot_be_split_is_refused():
     with pytest.raises(ParameterError, match="no published splits"):
         splits.make("published", FRAMES, np.random.default_rng(0))
     alone = splits.Frames(np.zeros(4, int), np.array(["a"]), np.array(["x"]))
+    for kind in splits.PARTING:
+        with pytest.raises(ParameterError, match="all clips are of 'x'.*--split clips"):
+            splits.make(kind, alone, np.random.default_rng(0))
     with pytest.raises(ParameterError, match="nothing to train on"):
-        splits.make("leave-one-out", alone, np.random.default_rng(0))
-    with pytest.raises(ParameterError, match="nothing to test on"):
-        splits.make("one-to-rest", alone, np.random.default_rng(0))
+        splits.make("subjects", FRAMES, np.random.default_rng(0), test=("x", "y", "z"))
 
 
 def test_random_frames_of_a_take_are_drawn_of_each_of_its_actions():
