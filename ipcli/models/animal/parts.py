@@ -2,7 +2,8 @@
 
 A voxel may belong to a part only if every image either shows the part there, or shows another part that lies in front
 of it. That cuts the visual hull apart along the labels. Between the views the part is rounded by its best aspect, put
-in the middle of what is left and scaled so that it just fills the outlines in the other views.
+in the middle of what is left and scaled so that it just fills the outlines in the other views (of views that lean to
+the aspect's, slice by slice: see `slices`).
 """
 
 from __future__ import annotations
@@ -16,12 +17,14 @@ from ipcli.geometry.orthographic import Orthographic
 from ipcli.geometry.voxels import FAR, Sight, hull
 from ipcli.measurements.part_images import PartImage, PartTree
 from ipcli.models.animal.aspects import completed
+from ipcli.models.animal.slices import Slices, fitted
 
 OUTSIDE = np.float32(1e3)  # voxels
 ROUNDS = 2  # of carving: what is cut off one part uncovers others
 PARALLEL = np.cos(np.radians(25.0))  # of two views: closer ones say nothing of each other's depth
 SAME_LINE = 5e-4  # sine of the angle between views that look along one line
 SPARE = 5.0  # voxels around the animal that belong to its grid
+ACROSS = np.cos(np.radians(80.0))  # of two views: closer ones lean
 ALONG = 0.96  # cosine of the angle between views that count as one direction
 SHOWN = 0.2  # of the largest area in which a part is seen: less does not tell its outline
 EVIDENCE = 30  # voxels of a part that must show themselves to be asked for its thickness
@@ -133,7 +136,6 @@ def rounded(
 
     `heights` has the half thickness (h, w) in pixels by name of image and part, as `aspects.lift_all` makes them.
     """
-    directions = [shot.camera.direction for shot in shots]
     results = []
     for part, field in enumerate(fields):
         lifted = [shot for shot in shots if (shot.image.name, part) in heights]
@@ -144,18 +146,52 @@ def rounded(
         shot = lifted[best]
         shown = np.maximum(field, evident(shots, part))
         told = shown if (shown < 0).sum() >= EVIDENCE else field
-        results.append(np.maximum(field, thickness(told, shot, heights[shot.image.name, part], directions)))
+        results.append(np.maximum(field, thickness(told, part, shot, heights[shot.image.name, part], shots)))
     return results
 
 
-def thickness(field: np.ndarray, shot: Shot, heights: np.ndarray, directions: Sequence[np.ndarray]) -> np.ndarray:
+def thickness(field: np.ndarray, part: int, shot: Shot, heights: np.ndarray, shots: Sequence[Shot]) -> np.ndarray:
     """A field (nx, ny, nz) that is negative where a point lies within the aspect, put in the middle of `field`."""
     sight = shot.sight
-    middle, half = spans(field, sight)
     height = sight.sample(heights / np.float32(sight.pixels), 0.0)
-    factor = fitting_factor(field, shot, height, half, directions)
+    cosines = [abs(other.camera.direction @ shot.camera.direction) for other in shots]
+    beside = [other for other, cosine in zip(shots, cosines, strict=True) if cosine <= PARALLEL]
+    leaning = [o for o, cosine in zip(shots, cosines, strict=True) if ACROSS < cosine <= PARALLEL]
+    leaning = [other for other in leaning if other.image.mask(part).any()]
+    if leaning and len(leaning) == len(beside):
+        field, factor = upright(field, part, shot, heights, height, leaning)
+        middle, _ = spans(field, sight)
+    else:
+        middle, half = spans(field, sight)
+        factor = fitting_factor(field, shot, height, half, [other.camera.direction for other in beside])
     away = np.abs(sight.depth - middle.ravel()[sight.ray])
     return (away - factor * height).astype(np.float32)
+
+
+def upright(
+    field: np.ndarray, part: int, shot: Shot, heights: np.ndarray, height: np.ndarray, leaning: Sequence[Shot]
+) -> tuple[np.ndarray, float]:
+    """The field (nx, ny, nz) without what lies beside the aspect where its outlines in leaning views put it, and how
+    much thicker than the aspect the part is; `height` are the heights (h, w) at all points, in voxels.
+    """
+    camera, sight = shot.camera, shot.sight
+    spacing = sight.pixels / camera.scale
+    ratios: list[float] = []
+    cut = field
+    for other in leaning:
+        slices = Slices.of(heights, camera, part, other.image, other.camera, spacing)
+        own = slices.ratios().tolist()
+        ratios += own
+        factor = float(np.clip(fitted(own), THINNEST, THICKEST))
+        depths = slices.depths(factor)
+        if depths is None:
+            continue
+        x, y = camera.rotation[:2] @ slices.axis / camera.scale
+        along = x * (sight.columns - camera.shift[0]) + y * (sight.rows - camera.shift[1])
+        middle = (depths / spacing).astype(np.float32)[slices.number(along)]
+        cut = np.maximum(cut, np.abs(sight.depth - middle) - np.float32(factor) * height - 1)
+    factor = float(np.clip(fitted(ratios), THINNEST, THICKEST))
+    return (cut if (cut < 0).any() else field), factor
 
 
 def spans(field: np.ndarray, sight: Sight) -> tuple[np.ndarray, np.ndarray]:
@@ -186,8 +222,6 @@ def fitting_factor(
     inside = field < 0
     ratios: list[float] = []
     for direction in directions:
-        if abs(direction @ shot.camera.direction) > PARALLEL:
-            continue
         axis = np.cross(direction, shot.camera.direction)
         axis /= np.linalg.norm(axis)
         sight = shot.sight

@@ -1,9 +1,13 @@
 """Carving the visual hull apart along the labels."""
 
+import numpy as np
 import pytest
 
+from ipcli.geometry.orthographic import by_angles
 from ipcli.models.animal import whole
-from ipcli.models.animal.parts import carve
+from ipcli.models.animal.aspects import lift_all
+from ipcli.models.animal.parameters import Inflation
+from ipcli.models.animal.parts import carve, rounded
 from tests.fixtures import limbs
 
 VIEWS = ("left", "right", "front", "back", "top")
@@ -24,3 +28,21 @@ def test_carving_leaves_each_part_where_its_labels_allow(taken):
         if name in ("fore", "hind"):  # their upper ends lie within the torso, where no image shows them
             core &= points[..., 2] < -0.4
         assert (field[core] < 1.0).mean() > 0.97
+
+
+def test_parts_stand_upright_though_the_hull_of_an_oblique_view_leans():
+    images, truth = zip(*limbs.shots(("left", by_angles(40.0, 10.0))), strict=True)
+    grid = whole.grid_of(images, truth, 48)
+    shots = whole.shots_of(images, truth, grid)
+    heights = {key: a.picture for key, a in lift_all(images, limbs.TREE, Inflation(triangles=300)).items()}
+    carved = carve(shots, limbs.TREE)
+    torso = rounded(carved, shots, heights)[0]
+    points = grid.points()
+
+    def lean(field):
+        """How far the middle of a part moves to its left on the way forward."""
+        x, y, _ = points[field < 0].T
+        return np.polyfit(x, y, 1)[0]
+
+    assert abs(lean(carved[0])) > 0.4
+    assert abs(lean(torso)) < 0.12
