@@ -61,7 +61,7 @@ def make(
         )
     if kind in PARTING and len(np.unique(frames.actor)) == 1:
         raise ParameterError(
-            f"all clips are of '{frames.actor[0]}', and split '{kind}' parts people. Give others' clips, or --split clips"
+            f"all clips are of '{frames.actor[0]}', and split '{kind}' parts people. Give more, or --split clips"
         )
     found = {
         "frames": lambda: [random_frames(frames, rng)],
