@@ -51,6 +51,11 @@ def is_one_line(directions: Sequence[np.ndarray]) -> bool:
     return all(np.linalg.norm(np.cross(directions[0], other)) < SAME_LINE for other in directions[1:])
 
 
+def all_lean(directions: Sequence[np.ndarray]) -> bool:
+    """Whether no two of the directions (n, 3), of length 1, are across each other, so that all hulls lean."""
+    return bool((np.abs(np.array(directions) @ np.array(directions).T) > ACROSS).all())
+
+
 def untold_depth(images: Sequence[PartImage], cameras: Sequence[Orthographic]) -> float | None:
     """How deep an animal is taken to be when all views look along one line: the shorter side of its first silhouette,
     in world units. None when views along two lines tell.

@@ -15,7 +15,7 @@ from ipcli.measurements.part_images import PartImage, PartTree, pixels_of
 from ipcli.models.animal import rims, union
 from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.parameters import Modelling, Volume
-from ipcli.models.animal.parts import Shot, carve, is_one_line, rounded, untold_depth
+from ipcli.models.animal.parts import Shot, all_lean, carve, is_one_line, rounded, untold_depth
 
 MAJORITY = 3  # times that a face takes the part of most of its neighbours
 BESIDE_RIMS = 3.0  # voxels from where a ray comes nearest to a drawn surface: what it lacks is added nearer
@@ -116,10 +116,11 @@ def surface(
 ) -> PartedSurface:
     """Merge the fields of all parts, round the whole, and mesh it and each part. NoSolution if nothing is left.
 
-    `is_drawn` says that the fields are those of a surface that was drawn to the outlines: what it lacks of them is
-    added there and nowhere else.
+    `is_drawn` says that the fields are those of a surface that was drawn to the outlines. Where all views lean to each
+    other, what it lacks of them is added there and nowhere else, for a hull that leans bounds no depth.
     """
-    phi = merged(fields, shots, params, BESIDE_RIMS if is_drawn else np.inf)
+    reach = BESIDE_RIMS if is_drawn and all_lean([shot.camera.direction for shot in shots]) else np.inf
+    phi = merged(fields, shots, params, reach)
     if not (phi < 0).any():
         raise NoSolution("the masks leave no body: they are too small or too thin, or their views do not fit together")
     solid = level_sets.largest(level_sets.fill(phi < 0))

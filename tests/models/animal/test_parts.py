@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from ipcli.geometry.orthographic import by_angles
+from ipcli.geometry.orthographic import by_angles, of_view
 from ipcli.models.animal import whole
 from ipcli.models.animal.aspects import lift_all
 from ipcli.models.animal.parameters import Inflation
-from ipcli.models.animal.parts import carve, rounded
+from ipcli.models.animal.parts import all_lean, carve, rounded
 from tests.fixtures import limbs
 
 VIEWS = ("left", "right", "front", "back", "top")
@@ -46,3 +46,11 @@ def test_parts_stand_upright_though_the_hull_of_an_oblique_view_leans():
 
     assert abs(lean(carved[0])) > 0.4
     assert abs(lean(torso)) < 0.12
+
+
+@pytest.mark.parametrize(
+    ("views", "lean"),
+    [(("left", "front"), False), (("left", by_angles(40, 15)), True), (("left", by_angles(40, 15), "top"), False)],
+)
+def test_views_lean_unless_two_are_across_each_other(views, lean):
+    assert all_lean([of_view(view)[2] for view in views]) == lean
