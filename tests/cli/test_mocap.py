@@ -447,7 +447,8 @@ def test_a_split_that_leaves_nothing_to_learn_is_named(place, tell, tmp_path):
     fails(
         tell("mocap-evaluate", alone, "--groups", place / "groups.toml", "--split", "leave-one-out"),
         2,
-        "nothing to train on",
+        "all clips are of 'ann'",
+        "--split clips",
     )
 
 

@@ -11,6 +11,7 @@ from ipcli import schema
 from ipcli.errors import FormatError
 from ipcli.io.files import h5
 from ipcli.io.views import artefact
+from tests.fixtures.fusion_scenes import damage, write
 
 
 @pytest.fixture
@@ -41,12 +42,11 @@ def test_an_artefact_gives_back_the_views_that_went_into_it(stored):
 
 
 def test_an_artefact_with_a_pose_that_is_not_rigid_is_refused(tmp_path, views):
-    bad = replace(views[1], cam_from_world=np.diag([2.0, 1.0, 1.0, 1.0]))
-    h5.write(tmp_path / "x.h5", "views", artefact.views_arrays([bad], unit="m", measured="depth"), {})
-    sequence = artefact.read_views(tmp_path / "x.h5")
-    assert sequence.baseline_focal is None
-    with pytest.raises(FormatError, match="x.h5: view '1': pose is not rigid"):
-        sequence.load("1")
+    path = write(tmp_path / "x.h5", views[1:2])
+    assert artefact.read_views(path).baseline_focal is None
+    damage(path, "views/1/cam_from_world", np.diag([2.0, 1.0, 1.0, 1.0]))
+    with pytest.raises(FormatError, match="x.h5.*views/1/cam_from_world.*a rigid pose"):
+        artefact.read_views(path).load("1")
 
 
 def test_fields_are_those_of_the_schema(stored, views):
