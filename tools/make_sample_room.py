@@ -2,7 +2,8 @@
 
     python tools/make_sample_room.py [FOLDER]
 
-An EuRoC folder (pictures, cam0_sensor.yaml, cam1_sensor.yaml, gt_cam0.tum) with gaze.csv and targets.csv. Everything
+An EuRoC folder (pictures, cam0_sensor.yaml, cam1_sensor.yaml, gt_cam0.tum) with gaze.csv. Without targets.csv: gaze is
+on the middles of the parcels, and what is seen is their surfaces, so that points of regard lie elsewhere. Everything
 follows from the seed. Attention turns often, so that six seconds hold subsequences enough for `saliency` to learn from.
 """
 
@@ -22,6 +23,7 @@ QUALITY = 72
 def main(folder: Path) -> None:
     """Write the sample."""
     write_euroc(walk(COURSE, SEED, task("red", SEED)), folder, jpeg=QUALITY)
+    (folder / "targets.csv").unlink()
 
 
 if __name__ == "__main__":

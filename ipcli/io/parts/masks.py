@@ -52,8 +52,12 @@ def object_told(path: Path, which: int = 0) -> str:
 
 
 def read_index(path: Path, names: Sequence[str]) -> Masks:
-    """A PNG, grey or with a palette, whose values are indices: 0 background, 1 the first of `names`."""
-    indices = _indices(path)
+    """A PNG, grey or with a palette, whose values are indices: 0 background, 1 the first of `names`.
+
+    One in colour that is grey all over is read as grey; where there is but one name, whatever is not black has it.
+    """
+    values = _values(path)
+    indices = _not_black(values) if len(names) == 1 else _grey(path, values)
     if indices.max(initial=0) > len(names):
         fix = "Add `labels` to this image in the project: the names of the values from 1 on"
         raise FormatError(
@@ -69,7 +73,7 @@ def read_folder(folder: Path) -> Masks:
         raise FormatError(folder, "no folder of masks", expected=f"1 to {MOST_PARTS} .png files", got=len(files))
     labels = None
     for number, path in enumerate(files, start=1):
-        mask = _indices(path) > 0
+        mask = _not_black(_values(path)) > 0
         if labels is None:
             labels = np.zeros(mask.shape, np.int16)
         if mask.shape != labels.shape:
@@ -121,8 +125,8 @@ def _drawn(size: tuple[int, int], names: Sequence[str], shapes: Sequence[tuple[s
     return canvas.astype(np.int16)
 
 
-def _indices(path: Path) -> np.ndarray:
-    """Values (h, w) of a PNG: of a palette its indices, of colours whether they are not black."""
+def _values(path: Path) -> np.ndarray:
+    """Values (h, w) int32 of a PNG, of a palette its indices; of colours (h, w, 3), black where transparent."""
     from PIL import Image
 
     data = images._bytes(path)
@@ -134,10 +138,28 @@ def _indices(path: Path) -> np.ndarray:
             values = np.asarray(image)
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
         raise FormatError(path, f"not a readable PNG: {error}") from error
-    if values.ndim == 3:
-        opaque = values[..., 3] > 0 if values.shape[2] == 4 else np.True_
-        values = np.asarray(values[..., :3].any(axis=-1) & opaque)
+    if values.shape[2:] in ((2,), (4,)):  # the last channel is alpha
+        values = np.where(values[..., -1:] > 0, values[..., :-1], np.uint8(0))
     return values.astype(np.int32)
+
+
+def _not_black(values: np.ndarray) -> np.ndarray:
+    """1 (h, w) where colours are not black; values (h, w) as they are."""
+    return np.asarray(values.any(axis=-1), np.int32) if values.ndim == 3 else values
+
+
+def _grey(path: Path, values: np.ndarray) -> np.ndarray:
+    """Values (h, w) of which all channels say the same. Raises FormatError for colours, which name no part."""
+    if values.ndim == 2:
+        return values
+    grey = values[..., 0]
+    if (values != grey[..., None]).any():
+        colours = len(np.unique(values.reshape(-1, values.shape[2]), axis=0))
+        raise FormatError(
+            path, f"{colours} colours, which do not say what part each is", expected="indices 0, 1, 2, ...",
+            fix="Save it as a grey or palette PNG of indices, or give a folder of one PNG a part",
+        )  # fmt: skip
+    return grey
 
 
 def _check_size(path: Path, size: Sequence[int]) -> None:

@@ -199,5 +199,5 @@ def convergence_warnings(history: np.ndarray, tolerance: float) -> list[str]:
         return []
     return [
         f"the fusion did not converge: its relative gap is {history[-1, 3]:.2g} where {tolerance:g} was asked for; "
-        "smoothing may be missing. Look for values far off all others, or raise --set fusion.solver.iterations"
+        "smoothing may be missing. Raise --set fusion.solver.iterations, or look for values far off all others"
     ]

@@ -37,7 +37,7 @@ def fit(cloud: np.ndarray, p: SurfaceFit) -> PlateSurface:
     cloud = cloud[np.isfinite(cloud).all(axis=1)]
     cloud = cloud[cloud[:, 2] > p.nearest]
     if len(cloud) < FEWEST:
-        raise ParameterError(f"{len(cloud)} points before the camera: a surface needs {FEWEST}")
+        raise ParameterError(f"{len(cloud)} points of the map before the camera: a surface needs {FEWEST}")
     over_pixels = p.over == "pixels"
     flat = cloud[:, :2] / cloud[:, 2:] if over_pixels else cloud[:, :2]
     value = 1 / cloud[:, 2] if over_pixels else cloud[:, 2]

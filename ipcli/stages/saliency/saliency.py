@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -26,6 +27,7 @@ from ipcli.stages.kit.pages import page, turning_page
 from ipcli.stages.kit.summary import Figure, of_result
 from ipcli.stages.saliency.parameters import Saliency as Params
 
+log = logging.getLogger(__name__)
 KIND = "saliency"
 TURNED = 40_000  # points of the cloud that is turned
 GREEN = (60, 190, 90)
@@ -43,7 +45,10 @@ def run(source: Path, output: Path, params: Params, run: Run, progress: Progress
     given = [_model(path) for path in models]
 
     def build() -> dict[str, np.ndarray]:
-        return scene.saliency(sequence, params.scene, given, run.seed, progress)
+        found = scene.saliency(sequence, params.scene, given, run.seed, progress)
+        for note in found["notes"]:
+            log.warning("%s: %s", source, note)
+        return found
 
     beside = {output.with_suffix(".ply"): write_ply, output.with_suffix(".objects.csv"): write_objects}
     beside |= {

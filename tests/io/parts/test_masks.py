@@ -13,6 +13,7 @@ from ipcli.io.parts import masks
 LABELS = np.zeros((20, 30), np.uint8)
 LABELS[2:10, 3:20] = 1
 LABELS[10:18, 5:9] = 2
+NAMES = ("torso", "leg")
 
 
 def test_an_index_png_grey_or_with_a_palette(tmp_path):
@@ -21,9 +22,30 @@ def test_an_index_png_grey_or_with_a_palette(tmp_path):
     palette.putpalette([0, 0, 0, 200, 10, 10, 10, 200, 10])
     palette.save(tmp_path / "palette.png")
     for name in ("grey.png", "palette.png"):
-        found = masks.read(tmp_path / name, ("torso", "leg"))
-        assert found.names == ("torso", "leg")
+        found = masks.read(tmp_path / name, NAMES)
+        assert found.names == NAMES
         assert (found.labels == LABELS).all()
+
+
+def test_colours_are_not_taken_for_one_part(tmp_path):
+    """A picture in which each part has a colour of its own: nothing says which is which."""
+    table = np.array([[0, 0, 0], [200, 30, 30], [30, 200, 30], [30, 30, 200]], np.uint8)
+    images.write_png(tmp_path / "rgb.png", table[LABELS])
+    with pytest.raises(
+        FormatError, match=f"{len(np.unique(LABELS))} colours, which do not say.*folder of one PNG a part"
+    ):
+        masks.read(tmp_path / "rgb.png", NAMES)
+    images.write_png(tmp_path / "grey.png", np.repeat(LABELS[..., None], 3, axis=2))
+    np.testing.assert_array_equal(masks.read(tmp_path / "grey.png", NAMES).labels, LABELS)
+    np.testing.assert_array_equal(masks.read(tmp_path / "rgb.png", ["torso"]).labels, LABELS > 0)
+
+
+@pytest.mark.parametrize("mode", ["LA", "RGBA"])
+def test_what_is_transparent_is_background(tmp_path, mode):
+    image = Image.fromarray(LABELS, mode="L").convert(mode)
+    image.putalpha(Image.fromarray(np.where(LABELS == 2, 0, 255).astype(np.uint8)))
+    image.save(tmp_path / "a.png")
+    np.testing.assert_array_equal(masks.read(tmp_path / "a.png", NAMES).labels, np.where(LABELS == 2, 0, LABELS))
 
 
 def test_a_value_without_a_name_says_what_to_add(tmp_path):
