@@ -69,6 +69,7 @@ def _sides(a: Mapping[str, np.ndarray]) -> Markup:
 
 def _accuracy(a: Mapping[str, np.ndarray]) -> list[Markup]:
     parts = []
+    is_known = bool(np.isfinite(a.get("accuracy/rms", np.array([]))).any())  # where what was looked at is
     if "accuracy/path" in a:
         rigid, similar, scale, online = (float(value) for value in a["accuracy/path"])
         rows = [["path", number(rigid), number(similar), number(scale, 5), number(online)]]
@@ -83,9 +84,10 @@ def _accuracy(a: Mapping[str, np.ndarray]) -> list[Markup]:
             )
         ]  # fmt: skip
         head = ["looked at", "points of regard", "time on it, s", "RMS error, m", "truth in 68 % region", "in 95 %"]
-        parts.append(table(head, rows))
+        told = slice(None) if is_known else slice(3)
+        parts.append(table(head[told], [row[told] for row in rows]))
     lead = "Errors where the truth is known."
-    if _has_gaze(a):
+    if is_known:
         lead += " The regions are honest when they hold the truth as often as they say."
     return [section("Accuracy", *parts, lead=lead)] if parts else []
 

@@ -66,3 +66,19 @@ def test_without_gaze_no_section_plot_or_column_is_empty(blind):
     ):
         assert words not in html
     assert "1 coherent subsequence." in html
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_errors_of_what_was_looked_at_are_told_where_its_place_is_known(walk, known):
+    regarded = {
+        "accuracy/labels": np.array(["cup"]),
+        "accuracy/regards": np.array([7]),
+        "accuracy/dwell": np.array([0.5]),
+        "accuracy/rms": np.array([0.04 if known else np.nan]),
+        "accuracy/inside": np.array([[0.7, 0.9] if known else [np.nan, np.nan]]),
+    }
+    html = page(walk | regarded, {})
+    Balance(html)
+    assert "time on it, s" in html
+    assert ("truth in 68 % region" in html) == known
+    assert ("regions are honest" in html) == known
