@@ -48,7 +48,7 @@ def read_small_text(path: Path) -> str:
     except OSError as error:
         raise FormatError(path, f"cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        head = path.read_bytes()[:BINARY]
+        head = error.object[:BINARY]
         if b"\0" in head and not head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
             raise FormatError(
                 path, "not a text, but a binary file such as a picture", fix="Give another file"

@@ -18,7 +18,7 @@ import numpy as np
 from ipcli.models.brdf.energy import ANCHOR, ShadedProblem, cell_normals, gauss_newton, linearise, log_determinant
 from ipcli.models.brdf.parameters import Sheet, Weights
 from ipcli.models.brdf.reflectance import Chart
-from ipcli.models.brdf.solid import Pictured
+from ipcli.models.brdf.solid import Pictured, weights_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +55,7 @@ def sheet(
         tell(0.8 * (j + 1) / len(tables))
     evidence = energies + params.kappa * (dets - dets.mean())
     evidence = evidence - evidence.min()
-    weight = np.exp(-evidence / max(params.temperature * energies.min(), 1e-9))
-    weight = weight / weight.sum()
+    weight = weights_of(evidence, params.temperature * energies.min())
     best = np.argsort(-weight, kind="stable")[: params.best]
     solved = [_solved(fine, Chart(tables[j]), params.steps) for j in best]
     tell(1.0)

@@ -118,9 +118,15 @@ def solid(
 def averaged(shapes: Sequence[Shape], temperature: float) -> Shape:
     """The likeliest of some shapes at the mean of their heights, weighed by exp(-(E - E_min) / (temperature E_min))."""
     energies = np.array([shape.energy for shape in shapes])
-    weight = np.exp(-(energies / max(energies.min(), 1e-12) - 1) / temperature)
-    height = (weight[:, None] * np.stack([shape.height for shape in shapes])).sum(axis=0) / weight.sum()
+    weight = weights_of(energies - energies.min(), temperature * energies.min())
+    height = (weight[:, None] * np.stack([shape.height for shape in shapes])).sum(axis=0)
     return replace(shapes[int(weight.argmax())], height=height)
+
+
+def weights_of(energies: np.ndarray, scale: float) -> np.ndarray:
+    """Weights (k,) of explanations by their energies above the least, which add up to 1; those fall by e a `scale`."""
+    weight = np.exp(-energies / max(scale, 1e-9))
+    return weight / weight.sum()
 
 
 def without_albedo(

@@ -125,8 +125,8 @@ def shift_warnings(views: Sequence[View], reference: View) -> list[str]:
     if not found:
         return []
     at = [view.name for view in views].index(reference.name)
-    around = [shifted(views, view) for view in views[max(at - 1, 0) : at + 2]]
-    found = [one for one in found if all(then < now for near in around for then, now, word in near if word == one[2])]
+    beside = [shifted(views, views[k]) for k in (at - 1, at + 1) if 0 <= k < len(views)]
+    found = [one for one in found if all(then < now for near in beside for then, now, word in near if word == one[2])]
     if not found:
         return []
     then, now, word = min(found)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
+import numpy as np
+
 from ipcli import threads
 from ipcli.errors import FormatError, ParameterError, nearest
 from ipcli.io.views import layouts
@@ -35,9 +37,9 @@ def middle(names: tuple[str, ...]) -> str:
     return names[(len(names) - 1) // 2]
 
 
-def open_truth(path: Path, reference: str | None) -> tuple[Views, View]:
-    """The views at ``path``, and the one to fuse into: ``reference``, or None for the middle one. Raises ParameterError
-    for one that is not there, FormatError if its truth is not known.
+def open_truth(path: Path, reference: str | None) -> tuple[Views, View, np.ndarray]:
+    """The views at ``path``, the one to fuse into and its truth (h, w): ``reference``, or None for the middle one.
+    Raises ParameterError for one that is not there, FormatError if its truth is not known.
     """
     source = layouts.open_views(path)
     name = reference or middle(source.names)
@@ -49,7 +51,7 @@ def open_truth(path: Path, reference: str | None) -> tuple[Views, View]:
         more = f" and {len(known) - MOST_NAMED} more" if len(known) > MOST_NAMED else ""
         fix = f"Give --reference {', '.join(known[:MOST_NAMED])}{more}" if known else "No view here has a truth"
         raise FormatError(path, f"the true depth of view '{name}' is not known", fix=fix)
-    return source, view
+    return source, view, view.truth
 
 
 def open_scene(path: Path, reference: str | None, domain: str) -> Scene:
@@ -57,9 +59,7 @@ def open_scene(path: Path, reference: str | None, domain: str) -> Scene:
 
     ``domain`` auto is the quantity that was measured. Raises what open_truth raises.
     """
-    source, chosen = open_truth(path, reference)
-    views = dict(zip(source.names, threads.each(source.load, source.names), strict=True))
+    source, chosen, truth = open_truth(path, reference)
+    views = threads.each(lambda name: chosen if name == chosen.name else source.load(name), source.names)
     inverse = (source.measured if domain == "auto" else domain) == "disparity"
-    view, truth = views[chosen.name], chosen.truth
-    assert truth is not None
-    return Scene(list(views.values()), view, truth, inverse, source.baseline_focal, source.unit)
+    return Scene(views, chosen, truth, inverse, source.baseline_focal, source.unit)
